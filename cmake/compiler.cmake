@@ -1,0 +1,31 @@
+# Language level, warnings and reproducible floating point, for every target of the project.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+find_program(SURFACED_CCACHE ccache)
+if(SURFACED_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SURFACED_CCACHE})
+endif()
+
+# Meshes must not depend on the machine that compiled the code: no contraction into fused
+# multiply-adds, no fast-math. (CGAL brings -frounding-math for the files that use it.)
+add_compile_options(-ffp-contract=off)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  add_compile_options(-Wno-unknown-warning-option -Wno-ignored-optimization-argument)
+endif()
+if(SURFACED_SANITIZE)
+  add_compile_options(-fsanitize=${SURFACED_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${SURFACED_SANITIZE})
+endif()
+
+# One target carries the warnings, so that code of other projects compiled here goes without.
+add_library(surfaced_warnings INTERFACE)
+target_compile_options(surfaced_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
+  -Wnon-virtual-dtor -Woverloaded-virtual -Werror)

@@ -1,0 +1,70 @@
+// Clouds and meshes as files. Formats are told by content when reading, by extension when writing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/base.hpp"
+#include "cloud/cloud.hpp"
+#include "mesh/mesh.hpp"
+
+namespace surfaced {
+
+/// What a reader may spend on one file.
+struct ReadLimits {
+  std::uint64_t max_points = 500'000'000;
+};
+
+/// Reads a point cloud: PLY (ascii, binary little or big endian) or Draco (cloud or mesh, sequential or
+/// kd-tree), told by its first bytes. Declared counts are checked against the bytes at hand before
+/// anything is allocated.
+/// @return  the points in file order; input_unreadable, empty_input, unknown_format, malformed_input,
+///          truncated_input, missing_positions, unsupported_feature, too_many_points.
+/// Coordinates are not judged here (make_cloud does).
+Result<RawCloud> read_cloud(const std::filesystem::path& path, const ReadLimits& limits = {});
+
+/// As read_cloud, from bytes in memory; `name` stands in messages.
+Result<RawCloud> parse_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits = {});
+
+enum class MeshFormat : std::uint8_t { glb, gltf, drc, ply };
+
+/// Format by the extension of the path; unknown_output lists the extensions there are.
+Result<MeshFormat> mesh_format_of(const std::filesystem::path& path);
+
+/// Which axis of the cloud points up. glTF is Y-up: with z its node is rotated, the vertices stay.
+enum class UpAxis : std::uint8_t { y, z };
+
+struct EncodeOptions {
+  /// Draco: bits per coordinate, 8..30; none keeps float32 exactly.
+  std::optional<int> quantization_bits;
+  UpAxis up = UpAxis::y;
+  /// JSON object for `asset.extras` of a glTF; empty for none.
+  std::string extras_json;
+};
+
+/// Encodes a mesh. Vertex order and triangle order are kept in every format.
+/// glTF: POSITION as float32, NORMAL, COLOR_0 where known; coordinates that float32 holds are kept bit
+/// for bit, otherwise an origin is subtracted that stands in the node's translation and, as double, in
+/// `extras.origin` of the node. The same mesh and options give the same bytes.
+Result<std::vector<std::byte>> encode_mesh(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options = {});
+
+/// Decodes a mesh in any MeshFormat, told by content: what a reader of the file gets. Node transforms
+/// other than the `up` rotation are applied, in double. A triangle with a repeated index is malformed_input.
+Result<TriangleMesh> decode_mesh(std::span<const std::byte> bytes, std::string_view name);
+Result<TriangleMesh> read_mesh(const std::filesystem::path& path);
+
+/// Writes a point cloud as binary little-endian PLY: float coordinates where float32 holds all of
+/// them exactly, else double.
+std::vector<std::byte> encode_cloud_ply(const std::vector<Point3>& positions, const std::vector<Normal3>& normals,
+                                        const std::vector<Color4>& colors);
+
+/// Writes bytes so that a reader sees the old file or the whole new one: temporary name, fsync, rename.
+Status write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+}  // namespace surfaced

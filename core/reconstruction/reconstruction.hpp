@@ -1,0 +1,91 @@
+// The façade: which methods there are, what parameters they take, and the way of a cloud through one
+// of them to a mesh and its report. Everything outside core/ comes in through here (and io, base).
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/base.hpp"
+#include "cloud/cloud.hpp"
+#include "io/io.hpp"
+#include "mesh/mesh.hpp"
+
+namespace surfaced {
+
+/// Keeps the order in which fields were added, so that a report always has the same bytes.
+using Json = nlohmann::ordered_json;
+
+/// What a method is, for people and for programs.
+struct MethodInfo {
+  std::string id;
+  std::string title;
+  std::string summary;
+  /// Where the method comes from: paper or library.
+  std::string source;
+  /// What holds for every result, a sentence each.
+  std::vector<std::string> guarantees;
+  /// What does not hold, or is only reported.
+  std::vector<std::string> limitations;
+  /// JSON Schema (2020-12) of the parameters, an object with defaults, ranges, units and texts.
+  Json parameters;
+};
+
+/// All methods, the default one first.
+std::span<const MethodInfo> methods();
+
+/// The method, or unknown_method naming those there are.
+Result<const MethodInfo*> find_method(std::string_view id);
+
+/// Checks parameters (a JSON object) against the method's schema and fills in the defaults.
+/// @return  all parameters in the schema's order; unknown_parameter or invalid_parameter with the name,
+///          the value and what is allowed.
+Result<Json> check_parameters(const MethodInfo& method, const Json& given);
+
+/// The same for parameters given as text (`--param name=value`, query strings): values are read as the
+/// schema's type first. A name given twice is invalid_parameter.
+Result<Json> parameters_from_text(const MethodInfo& method,
+                                  std::span<const std::pair<std::string, std::string>> given);
+
+/// What a method made of a cloud.
+struct Reconstruction {
+  TriangleMesh mesh;
+  std::vector<std::string> warnings;
+  /// The method's own statistics, for the report's field `method_statistics`; may be null.
+  Json statistics;
+};
+
+/// Runs a method with checked parameters. The mesh is sorted, has no unused vertices, carries the
+/// cloud's normals and colours, and is the same for any number of threads and any order of the points.
+/// @return  method_failed for an empty mesh; cancelled; too_few_points, collinear, coplanar.
+Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters, Context& context);
+
+/// One file in, one file out.
+struct FileRequest {
+  std::filesystem::path cloud;
+  std::filesystem::path mesh;
+  const MethodInfo* method = nullptr;
+  /// As check_parameters returns them.
+  Json parameters;
+  ReadLimits limits;
+};
+
+/// Reads the cloud, runs the method, encodes the mesh, measures what a reader of the encoded mesh
+/// gets, and writes it (atomically). The only way from a file to a mesh: the command and the
+/// service's child process both take it.
+/// @return  the report (proto/schema/report.json).
+Result<Json> reconstruct_file(const FileRequest& request, Context& context);
+
+/// Report of any mesh file: its topology and quality, and against a cloud where one is given.
+Result<Json> measure_file(const std::filesystem::path& mesh, const std::optional<std::filesystem::path>& cloud,
+                          bool self_intersections, Context& context);
+
+/// Version of the library, as in CMakeLists.txt.
+std::string_view version();
+
+}  // namespace surfaced
