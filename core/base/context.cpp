@@ -21,6 +21,12 @@ void Context::close_stage() {
   open_ = false;
 }
 
+void Context::section(double until) {
+  const std::scoped_lock lock(mutex_);
+  section_from_ = std::max(last_, until_);
+  section_until_ = std::clamp(until, section_from_, 1.0);
+}
+
 void Context::enter(std::string_view stage, double until) {
   const std::scoped_lock lock(mutex_);
   close_stage();
@@ -28,10 +34,10 @@ void Context::enter(std::string_view stage, double until) {
   current_ = static_cast<std::size_t>(found - stages_.begin());
   if (found == stages_.end()) stages_.push_back({std::string(stage), 0});
   open_ = true;
-  from_ = std::max(from_, until_);
-  until_ = std::clamp(until, from_, 1.0);
+  from_ = std::max(section_from_, until_);
+  until_ = std::max(from_, section_from_ + std::clamp(until, 0.0, 1.0) * (section_until_ - section_from_));
   last_ = std::max(last_, from_);
-  emit(last_);
+  emit();
 }
 
 void Context::report(double fraction_of_stage) {
@@ -39,7 +45,7 @@ void Context::report(double fraction_of_stage) {
   const double fraction = from_ + std::clamp(fraction_of_stage, 0.0, 1.0) * (until_ - from_);
   if (!open_ || fraction < last_ + kProgressStep) return;
   last_ = fraction;
-  emit(fraction);
+  emit();
 }
 
 std::vector<Stage> Context::finish() {
@@ -48,8 +54,8 @@ std::vector<Stage> Context::finish() {
   return stages_;
 }
 
-void Context::emit(double fraction) {
-  if (sink_) sink_(std::max(0.0, fraction), stages_[current_].name);
+void Context::emit() {
+  if (sink_) sink_(last_, stages_[current_].name);
 }
 
 }  // namespace surfaced

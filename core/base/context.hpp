@@ -34,8 +34,11 @@ class Context {
   /// True once the caller wants the work to stop; the work then returns ErrorCode::cancelled soon.
   bool cancelled() const { return cancel_ != nullptr && cancel_->load(std::memory_order_relaxed); }
 
-  /// Ends the current stage and begins the named one, which takes the progress up to `until` (0..1).
-  /// Entering a name again adds to its time.
+  /// The stages entered from now on share the progress up to `until` (0..1) of the whole run.
+  void section(double until);
+
+  /// Ends the current stage and begins the named one, which takes the progress up to `until` (0..1) of
+  /// the section. Entering a name again adds to its time.
   void enter(std::string_view stage, double until);
 
   /// Reports how much of the current stage is done (0..1).
@@ -47,7 +50,7 @@ class Context {
  private:
   using Clock = std::chrono::steady_clock;
   void close_stage();
-  void emit(double fraction);
+  void emit();
 
   unsigned threads_;
   Sink sink_;
@@ -57,9 +60,11 @@ class Context {
   std::size_t current_ = 0;
   bool open_ = false;
   Clock::time_point since_;
+  double section_from_ = 0;
+  double section_until_ = 1;
   double from_ = 0;
   double until_ = 0;
-  double last_ = -1;
+  double last_ = 0;
 };
 
 }  // namespace surfaced

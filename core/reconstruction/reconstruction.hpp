@@ -42,6 +42,11 @@ std::span<const MethodInfo> methods();
 /// The method, or unknown_method naming those there are.
 Result<const MethodInfo*> find_method(std::string_view id);
 
+/// The list of methods as JSON: an array of objects `id, title, summary, source, guarantees,
+/// limitations, parameters`.
+Json methods_json();
+Json method_json(const MethodInfo& method);
+
 /// Checks parameters (a JSON object) against the method's schema and fills in the defaults.
 /// @return  all parameters in the schema's order; unknown_parameter or invalid_parameter with the name,
 ///          the value and what is allowed.

@@ -1,0 +1,125 @@
+#include "reconstruction/methods.hpp"
+
+#include <algorithm>
+
+#include "baselines/baselines.hpp"
+
+namespace surfaced {
+namespace {
+
+/// Parameters that concern the output and not the method.
+Json common_properties() {
+  return Json{{"up",
+               {{"enum", {"y", "z"}},
+                {"default", "y"},
+                {"title", "Up axis of the cloud"},
+                {"description", "glTF is Y-up: with z the node of a GLB is rotated, the vertices stay as they are."}}},
+              {"quantization",
+               {{"oneOf", {Json{{"const", "none"}}, Json{{"type", "integer"}, {"minimum", 8}, {"maximum", 30}}}},
+                {"default", "none"},
+                {"title", "Bits per coordinate in a Draco file"},
+                {"description", "none keeps float32 exactly; fewer bits make a smaller file and move the vertices, "
+                                "by what the report's encoding.max_error says."},
+                {"x-unit", "bits"}}}};
+}
+
+Json schema_of(Json properties) {
+  for (auto& [name, schema] : common_properties().items()) properties[name] = schema;
+  return Json{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+              {"type", "object"},
+              {"additionalProperties", false},
+              {"properties", std::move(properties)}};
+}
+
+Result<Reconstruction> run_advancing_front(const PointCloud& cloud, const Json& parameters, Context& context) {
+  Result<TriangleMesh> mesh = advancing_front(
+      cloud, {.radius_ratio_bound = parameters.at("radius_ratio_bound"), .beta = parameters.at("beta")}, context);
+  if (!mesh) return std::move(mesh).error();
+  return Reconstruction{.mesh = std::move(*mesh), .warnings = {}, .statistics = nullptr};
+}
+
+Method advancing_front_method() {
+  return {
+      .info = {.id = "advancing-front",
+               .title = "Advancing front (CGAL)",
+               .summary = "Grows a surface over the facets of the 3-D Delaunay triangulation, most plausible facet "
+                          "first. For dense, even, clean clouds; keeps openings where the sampling leaves them.",
+               .source = "D. Cohen-Steiner, F. Da, A greedy Delaunay-based surface reconstruction algorithm, The Visual "
+                         "Computer 20 (2004); CGAL, Advancing_front_surface_reconstruction",
+               .guarantees = {"Every vertex of the mesh is an input point.",
+                              "The triangles are consistently oriented, closed parts outwards."},
+               .limitations = {"Closedness is reported, not promised.", "Points may stay unused; the report counts them."},
+               .parameters = schema_of(
+                   Json{{"radius_ratio_bound",
+                         {{"type", "number"},
+                          {"minimum", 1},
+                          {"maximum", 1e6},
+                          {"default", 5},
+                          {"title", "Bound of the radius ratio"},
+                          {"description", "Candidates outside the wedge are dropped if their radius is larger than this "
+                                          "times the radius of the facet they continue; smaller leaves more openings."},
+                          {"x-unit", "1"}}},
+                        {"beta",
+                         {{"type", "number"},
+                          {"minimum", 0},
+                          {"maximum", 3.141592653589793},
+                          {"default", 0.52},
+                          {"title", "Half the wedge angle"},
+                          {"description", "Half the angle of the wedge in which only the radius counts."},
+                          {"x-unit", "rad"}}}})},
+      .interpolates = true,
+      .engine = run_advancing_front};
+}
+
+const std::vector<Method>& table() {
+  static const std::vector<Method> methods{advancing_front_method()};
+  return methods;
+}
+
+const std::vector<MethodInfo>& infos() {
+  static const std::vector<MethodInfo> all = [] {
+    std::vector<MethodInfo> list;
+    for (const Method& method : table()) list.push_back(method.info);
+    return list;
+  }();
+  return all;
+}
+
+}  // namespace
+
+std::span<const MethodInfo> methods() { return infos(); }
+
+Result<const MethodInfo*> find_method(std::string_view id) {
+  const auto found = std::ranges::find(infos(), id, &MethodInfo::id);
+  if (found != infos().end()) return &*found;
+  std::string known;
+  for (const MethodInfo& info : infos()) known += (known.empty() ? "" : ", ") + info.id;
+  return Error{ErrorCode::unknown_method, "method '" + std::string(id) + "' is unknown; there are: " + known};
+}
+
+Json method_json(const MethodInfo& method) {
+  return Json{{"id", method.id},
+              {"title", method.title},
+              {"summary", method.summary},
+              {"source", method.source},
+              {"guarantees", method.guarantees},
+              {"limitations", method.limitations},
+              {"parameters", method.parameters}};
+}
+
+Json methods_json() {
+  Json list = Json::array();
+  for (const MethodInfo& method : methods()) list.push_back(method_json(method));
+  return list;
+}
+
+const Method& method_of(const MethodInfo& info) { return *std::ranges::find(table(), info.id, [](const Method& m) { return m.info.id; }); }
+
+EncodeOptions encode_options_of(const Json& parameters) {
+  EncodeOptions options;
+  if (parameters.at("up") == "z") options.up = UpAxis::z;
+  if (parameters.at("quantization").is_number()) options.quantization_bits = parameters.at("quantization").get<int>();
+  return options;
+}
+
+}  // namespace surfaced

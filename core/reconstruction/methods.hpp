@@ -1,0 +1,23 @@
+// Private to the room: the table of methods behind the façade.
+#pragma once
+
+#include "reconstruction/reconstruction.hpp"
+
+namespace surfaced {
+
+/// A method's face and its engine. The engine's mesh has vertex v = point v of the cloud, then
+/// invented vertices if the method makes any.
+struct Method {
+  MethodInfo info;
+  /// Whether all vertices are input points, so that points inside the mesh can be told from its vertices.
+  bool interpolates;
+  Result<Reconstruction> (*engine)(const PointCloud&, const Json& parameters, Context&);
+};
+
+/// The method behind a MethodInfo from methods().
+const Method& method_of(const MethodInfo& info);
+
+/// Options every method takes; each method's schema includes them.
+EncodeOptions encode_options_of(const Json& parameters);
+
+}  // namespace surfaced

@@ -1,0 +1,255 @@
+// The way of a cloud: read -> method -> encode -> decode and measure -> write.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_set>
+
+#include "reconstruction/methods.hpp"
+#include "reconstruction/provenance.hpp"
+#include "reconstruction/report.hpp"
+
+namespace surfaced {
+namespace {
+
+// Shares of the progress bar.
+constexpr double kReadUntil = 0.1;
+constexpr double kMethodUntil = 0.9;
+
+/// Drops the vertices that no triangle uses, keeping the order of the others.
+void compact(TriangleMesh& mesh) {
+  std::vector<bool> used(mesh.positions.size(), false);
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexIndex v : t) used[v] = true;
+  }
+  std::vector<VertexIndex> renumbered(mesh.positions.size());
+  std::size_t kept = 0;
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    if (!used[v]) continue;
+    mesh.positions[kept] = mesh.positions[v];
+    if (!mesh.normals.empty()) mesh.normals[kept] = mesh.normals[v];
+    if (!mesh.colors.empty()) mesh.colors[kept] = mesh.colors[v];
+    renumbered[v] = VertexIndex(kept++);
+  }
+  mesh.positions.resize(kept);
+  if (!mesh.normals.empty()) mesh.normals.resize(kept);
+  if (!mesh.colors.empty()) mesh.colors.resize(kept);
+  for (Triangle& t : mesh.triangles) {
+    for (VertexIndex& v : t) v = renumbered[v];
+  }
+}
+
+struct PositionHash {
+  std::size_t operator()(const Point3& p) const {
+    std::size_t hash = 0;
+    for (const double x : p) hash = hash * 0x9E3779B97F4A7C15U + std::hash<double>{}(x);
+    return hash;
+  }
+};
+using PositionSet = std::unordered_set<Point3, PositionHash>;
+
+/// What the encoding did to the vertices, which keep their order.
+struct EncodingEffect {
+  double max_error = 0;
+  std::size_t merged_vertices = 0;
+};
+
+EncodingEffect effect_of_encoding(const TriangleMesh& computed, const TriangleMesh& decoded) {
+  EncodingEffect effect;
+  PositionSet distinct;
+  distinct.reserve(decoded.positions.size());
+  for (std::size_t v = 0; v < decoded.positions.size(); ++v) {
+    effect.max_error = std::max(effect.max_error, norm(decoded.positions[v] - computed.positions[v]));
+    if (!distinct.insert(decoded.positions[v]).second) ++effect.merged_vertices;
+  }
+  return effect;
+}
+
+/// Distinct points of the cloud that no triangle of the mesh uses. A point is a vertex if it equals one
+/// after both are rounded to float32, the precision of mesh files.
+PointUse use_of_points(const PointCloud& cloud, const TriangleMesh& mesh, const Topology& topology, bool interpolates) {
+  const auto rounded = [](const Point3& p) {
+    Point3 r;
+    for (std::size_t axis = 0; axis < 3; ++axis) r[axis] = static_cast<double>(static_cast<float>(p[axis]));
+    return r;
+  };
+  PositionSet vertices;
+  vertices.reserve(mesh.positions.size());
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexIndex v : t) vertices.insert(rounded(mesh.positions[v]));
+  }
+  std::vector<Point3> unused;
+  for (const Point3& p : cloud.positions) {
+    if (!vertices.contains(rounded(p))) unused.push_back(p);
+  }
+  PointUse use{unused.size(), std::nullopt};
+  if (interpolates && topology.closed) use.interior = count_points_inside(mesh, unused);
+  return use;
+}
+
+Result<PointCloud> load(const std::filesystem::path& path, const ReadLimits& limits, Context& context) {
+  context.section(kReadUntil);
+  context.enter("read", 1);
+  Result<RawCloud> raw = read_cloud(path, limits);
+  if (!raw) return std::move(raw).error();
+  return make_cloud(std::move(*raw));
+}
+
+/// What a reader of the encoded mesh gets, measured.
+struct Measured {
+  Json mesh;
+  Json quality;
+  Json encoding;
+};
+
+Result<Measured> measure_encoded(const Reconstruction& result, const PointCloud& cloud, bool interpolates,
+                                 const TriangleMesh& decoded, std::string_view format) {
+  if (decoded.positions.size() != result.mesh.positions.size()) {
+    return Error{ErrorCode::internal_error, "the encoded mesh decodes to " + std::to_string(decoded.positions.size()) +
+                                                " vertices instead of " + std::to_string(result.mesh.positions.size())};
+  }
+  const Topology topology = topology_of(decoded);
+  const EncodingEffect effect = effect_of_encoding(result.mesh, decoded);
+  return Measured{.mesh = topology_json(topology),
+                  .quality = quality_json(measure_quality(decoded, topology),
+                                          use_of_points(cloud, result.mesh, topology, interpolates), std::nullopt),
+                  .encoding = Json{{"format", format},
+                                   {"max_error", effect.max_error},
+                                   {"merged_vertices", effect.merged_vertices}}};
+}
+
+/// The part of the report that is the same for every run on the same points.
+Json reproducible_report(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result,
+                         const Measured& measured) {
+  std::vector<std::string> warnings = cloud.warnings;
+  warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
+  if (measured.encoding.at("merged_vertices") > 0) {
+    warnings.push_back(measured.encoding.at("merged_vertices").dump() + " vertices share a position with another after encoding");
+  }
+  return Json{{"method", request.method->id},
+              {"parameters", request.parameters},
+              {"cloud", cloud_json(cloud)},
+              {"mesh", measured.mesh},
+              {"warnings", warnings},
+              {"quality", measured.quality},
+              {"method_statistics", result.statistics},
+              {"encoding", measured.encoding},
+              {"provenance", {{"generator", "surfaced"}, {"version", version()}}}};
+}
+
+std::string_view name_of(MeshFormat format) {
+  switch (format) {
+    case MeshFormat::glb:
+      return "glb";
+    case MeshFormat::gltf:
+      return "gltf";
+    case MeshFormat::drc:
+      return "drc";
+    case MeshFormat::ply:
+      return "ply";
+  }
+  return "unknown";
+}
+
+/// Encodes the mesh, measures the decoded file and writes it; returns the reproducible report.
+Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result, MeshFormat format,
+                     Context& context) {
+  context.section(1);
+  context.enter("quality", 0.7);
+  EncodeOptions options = encode_options_of(request.parameters);
+  Result<std::vector<std::byte>> bytes = encode_mesh(result.mesh, format, options);
+  if (!bytes) return std::move(bytes).error();
+  Result<TriangleMesh> decoded = decode_mesh(*bytes, "the encoded mesh");
+  if (!decoded) return std::move(decoded).error();
+  const bool interpolates = method_of(*request.method).interpolates;
+  Result<Measured> measured = measure_encoded(result, cloud, interpolates, *decoded, name_of(format));
+  if (!measured) return std::move(measured).error();
+  Json report = reproducible_report(request, cloud, result, *measured);
+
+  context.enter("write", 1);
+  if (format == MeshFormat::glb || format == MeshFormat::gltf) {
+    options.extras_json = report.dump();
+    bytes = encode_mesh(result.mesh, format, options);
+    if (!bytes) return std::move(bytes).error();
+  }
+  if (Status written = write_file(request.mesh, *bytes); !written) return std::move(written).error();
+  report["encoding"]["bytes"] = bytes->size();
+  return report;
+}
+
+double seconds_of(const std::vector<Stage>& stages) {
+  double sum = 0;
+  for (const Stage& stage : stages) sum += stage.seconds;
+  return sum;
+}
+
+void add_run(Json& report, Context& context) {
+  const std::vector<Stage> stages = context.finish();
+  const Resources resources = resources_used();
+  report["stages"] = stages_json(stages);
+  report["resources"] = Json{{"wall_seconds", seconds_of(stages)},
+                             {"cpu_seconds", resources.cpu_seconds},
+                             {"peak_rss_bytes", resources.peak_rss_bytes},
+                             {"threads", context.threads()}};
+}
+
+}  // namespace
+
+Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters, Context& context) {
+  Result<Reconstruction> result = method_of(method).engine(cloud, parameters, context);
+  if (!result) return result;
+  if (result->mesh.triangles.empty()) {
+    return Error{ErrorCode::method_failed,
+                 "method '" + method.id + "' made no triangle of " + std::to_string(cloud.size()) + " distinct points"};
+  }
+  compact(result->mesh);
+  sort_triangles(result->mesh);
+  return result;
+}
+
+Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
+  const Result<MeshFormat> format = mesh_format_of(request.mesh);
+  if (!format) return format.error();
+  const Result<PointCloud> cloud = load(request.cloud, request.limits, context);
+  if (!cloud) return cloud.error();
+  context.section(kMethodUntil);
+  const Result<Reconstruction> result = run(*cloud, *request.method, request.parameters, context);
+  if (!result) return result.error();
+  if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled before the mesh was written"};
+  Result<Json> report = deliver(request, *cloud, *result, *format, context);
+  if (!report) return report;
+  Result<std::string> digest = sha256_of_file(request.cloud);
+  if (!digest) return std::move(digest).error();
+  (*report)["provenance"]["input_sha256"] = *digest;
+  add_run(*report, context);
+  return report;
+}
+
+Result<Json> measure_file(const std::filesystem::path& mesh, const std::optional<std::filesystem::path>& cloud_path,
+                          bool self_intersections, Context& context) {
+  context.section(1);
+  context.enter("read", 0.3);
+  const Result<TriangleMesh> decoded = read_mesh(mesh);
+  if (!decoded) return decoded.error();
+  std::optional<PointCloud> cloud;
+  if (cloud_path) {
+    Result<PointCloud> loaded = load(*cloud_path, {}, context);
+    if (!loaded) return std::move(loaded).error();
+    cloud = std::move(*loaded);
+  }
+  context.section(1);
+  context.enter("quality", 1);
+  const Topology topology = topology_of(*decoded);
+  std::optional<PointUse> use;
+  if (cloud) use = use_of_points(*cloud, *decoded, topology, true);
+  std::optional<std::size_t> pairs;
+  if (self_intersections) pairs = count_self_intersections(*decoded);
+  Json report{{"cloud", cloud ? cloud_json(*cloud) : Json(nullptr)},
+              {"mesh", topology_json(topology)},
+              {"warnings", cloud ? Json(cloud->warnings) : Json::array()},
+              {"quality", quality_json(measure_quality(*decoded, topology), use, pairs)},
+              {"provenance", {{"generator", "surfaced"}, {"version", version()}}}};
+  add_run(report, context);
+  return report;
+}
+
+}  // namespace surfaced

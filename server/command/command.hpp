@@ -1,0 +1,17 @@
+// The commands of the binary. Each adds itself to the command line; `run` is set to what shall be
+// done once the line has been understood.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace surfaced {
+
+/// What the chosen command does; returns the exit code of the process.
+using Run = std::function<int()>;
+
+void add_reconstruct(CLI::App& app, Run& run);
+void add_measure(CLI::App& app, Run& run);
+void add_methods(CLI::App& app, Run& run);
+
+}  // namespace surfaced

@@ -1,0 +1,44 @@
+#include <memory>
+
+#include "command/command.hpp"
+#include "command/problem.hpp"
+#include "command/progress_bar.hpp"
+#include "command/write_report.hpp"
+
+namespace surfaced {
+namespace {
+
+struct Options {
+  std::string mesh;
+  std::string cloud;
+  std::string report = "-";
+  bool self_intersections = false;
+};
+
+int measure(const Options& options) {
+  Context context(1, progress_bar());
+  const std::optional<std::filesystem::path> cloud =
+      options.cloud.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.cloud);
+  const Result<Json> report = measure_file(options.mesh, cloud, options.self_intersections, context);
+  clear_progress_bar();
+  if (!report) return report_problem(report.error());
+  return write_report(*report, options.report);
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("measure", "Measure the quality of any mesh");
+  command->add_option("MESH", options->mesh, "Mesh: GLB, glTF, Draco or PLY, told by content")->required();
+  command->add_option("--cloud", options->cloud, "Cloud to count unused and interior points of")->envname("SURFACED_CLOUD");
+  command->add_option("--report", options->report, "Where to write the report; - for standard output")
+      ->type_name("FILE|-")
+      ->capture_default_str()
+      ->envname("SURFACED_REPORT");
+  command->add_flag("--self-intersections", options->self_intersections, "Count intersecting pairs of triangles (slow)")
+      ->envname("SURFACED_SELF_INTERSECTIONS");
+  command->callback([options, &run] { run = [options] { return measure(*options); }; });
+}
+
+}  // namespace surfaced

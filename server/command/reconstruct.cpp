@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "command/command.hpp"
+#include "command/problem.hpp"
+#include "command/progress_bar.hpp"
+#include "command/write_report.hpp"
+#include "reconstruction/reconstruction.hpp"
+
+namespace surfaced {
+namespace {
+
+struct Options {
+  std::string cloud;
+  std::string mesh;
+  std::string method{methods().front().id};
+  std::vector<std::string> parameters;
+  std::string output = "mesh";
+  std::string report;
+  unsigned threads = 0;
+};
+
+// Set by the first Ctrl-C; the second one ends the process as usual.
+std::atomic<bool> interrupted = false;
+
+extern "C" void interrupt(int signal) {
+  interrupted = true;
+  std::signal(signal, SIG_DFL);
+}
+
+Result<std::vector<std::pair<std::string, std::string>>> split_parameters(const std::vector<std::string>& given) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const std::string& each : given) {
+    const std::size_t equals = each.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      return Error{ErrorCode::invalid_usage, "--param " + each + ": expected name=value"};
+    }
+    pairs.emplace_back(each.substr(0, equals), each.substr(equals + 1));
+  }
+  return pairs;
+}
+
+Result<FileRequest> request_of(const Options& options) {
+  const Result<const MethodInfo*> method = find_method(options.method);
+  if (!method) return method.error();
+  const auto given = split_parameters(options.parameters);
+  if (!given) return given.error();
+  Result<Json> parameters = parameters_from_text(**method, *given);
+  if (!parameters) return std::move(parameters).error();
+  if (const auto format = mesh_format_of(options.mesh); !format) return format.error();
+  if (options.output != "mesh") {
+    return Error{ErrorCode::invalid_usage, "--output " + options.output + ": method '" + options.method + "' makes only a mesh"};
+  }
+  return FileRequest{options.cloud, options.mesh, *method, std::move(*parameters), {}};
+}
+
+int reconstruct(const Options& options) {
+  Result<FileRequest> request = request_of(options);
+  if (!request) return report_problem(request.error());
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  const unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  Context context(threads, progress_bar(), &interrupted);
+  const Result<Json> report = reconstruct_file(*request, context);
+  clear_progress_bar();
+  if (!report) return report_problem(report.error());
+  return write_report(*report, options.report);
+}
+
+}  // namespace
+
+void add_reconstruct(CLI::App& app, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("reconstruct", "Turn a point cloud into a mesh");
+  command->add_option("CLOUD", options->cloud, "Point cloud: PLY or Draco, told by content")->required();
+  command->add_option("-o", options->mesh, "Mesh to write: .glb, .gltf, .drc or .ply")->required()->type_name("MESH");
+  command->add_option("--method", options->method, "Method, see: surfaced methods")
+      ->capture_default_str()
+      ->envname("SURFACED_METHOD");
+  command->add_option("--param", options->parameters, "Parameter of the method, may be repeated")
+      ->type_name("name=value")
+      ->allow_extra_args(false);
+  command->add_option("--output", options->output, "What to write: mesh or cloud")
+      ->check(CLI::IsMember({"mesh", "cloud"}))
+      ->capture_default_str()
+      ->envname("SURFACED_OUTPUT");
+  command->add_option("--report", options->report, "Where to write the report; - for standard output")
+      ->type_name("FILE|-")
+      ->envname("SURFACED_REPORT");
+  command->add_option("--threads", options->threads, "Threads to use; default: all cores")
+      ->check(CLI::Range(1U, 1024U))
+      ->envname("SURFACED_THREADS");
+  command->callback([options, &run] { run = [options] { return reconstruct(*options); }; });
+}
+
+}  // namespace surfaced

@@ -1,0 +1,38 @@
+#include <exception>
+#include <iostream>
+
+#include "command/command.hpp"
+#include "command/problem.hpp"
+#include "reconstruction/reconstruction.hpp"
+
+namespace {
+
+int dispatch(int argc, char** argv) {
+  CLI::App app("Point clouds to meshes: a daemon, a library and a command.", "surfaced");
+  app.set_version_flag("--version", std::string(surfaced::version()));
+  app.require_subcommand(1);
+  surfaced::Run run;
+  surfaced::add_reconstruct(app, run);
+  surfaced::add_measure(app, run);
+  surfaced::add_methods(app, run);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked_for_help) {
+    return app.exit(asked_for_help);
+  } catch (const CLI::ParseError& wrong) {
+    return surfaced::report_problem({surfaced::ErrorCode::invalid_usage, wrong.what()});
+  }
+  return run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return dispatch(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return surfaced::report_problem({surfaced::ErrorCode::out_of_memory, "an allocation failed"});
+  } catch (const std::exception& failure) {
+    return surfaced::report_problem({surfaced::ErrorCode::internal_error, failure.what()});
+  }
+}

@@ -1,0 +1,151 @@
+#include "cloud/cloud.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include "support/shapes.hpp"
+
+namespace surfaced {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(MakeCloud, refuses_a_coordinate_that_is_not_finite_and_says_where) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    const auto cloud = make_cloud(testing::raw_cloud({{0, 0, 0}, {1, bad, 0}}));
+    ASSERT_FALSE(cloud);
+    EXPECT_EQ(cloud.error().code, ErrorCode::coordinate_not_finite);
+    EXPECT_THAT(cloud.error().detail, HasSubstr("point 1: y"));
+  }
+}
+
+TEST(MakeCloud, refuses_a_coordinate_beyond_float32_and_gives_value_and_limit) {
+  const auto cloud = make_cloud(testing::raw_cloud({{0, 0, 1e299}}));
+  ASSERT_FALSE(cloud);
+  EXPECT_EQ(cloud.error().code, ErrorCode::coordinate_out_of_range);
+  EXPECT_THAT(cloud.error().detail, HasSubstr("1e+299"));
+  EXPECT_THAT(cloud.error().detail, HasSubstr("3.4028"));
+}
+
+TEST(MakeCloud, merges_duplicates_and_maps_every_input_point) {
+  const auto cloud = make_cloud(testing::raw_cloud({{1, 2, 3}, {0.0, 0, 0}, {1, 2, 3}, {-0.0, 0, 0}}));
+  ASSERT_TRUE(cloud);
+  EXPECT_EQ(cloud->size(), 2U);
+  ASSERT_EQ(cloud->input_to_vertex.size(), 4U);
+  EXPECT_EQ(cloud->input_to_vertex[0], cloud->input_to_vertex[2]);
+  EXPECT_EQ(cloud->input_to_vertex[1], cloud->input_to_vertex[3]);
+  EXPECT_FALSE(std::signbit(cloud->positions[cloud->input_to_vertex[3]][0]));
+  EXPECT_THAT(cloud->warnings, ::testing::ElementsAre(HasSubstr("2 duplicate points")));
+}
+
+TEST(MakeCloud, averages_the_colours_of_duplicates) {
+  RawCloud raw = testing::raw_cloud({{0, 0, 0}, {0, 0, 0}});
+  raw.colors = {{10, 0, 255, 255}, {20, 1, 255, 255}};
+  const auto cloud = make_cloud(raw);
+  ASSERT_TRUE(cloud);
+  EXPECT_THAT(cloud->colors, ::testing::ElementsAre(Color4{15, 1, 255, 255}));
+}
+
+TEST(MakeCloud, drops_normals_that_are_not_finite_with_a_warning) {
+  RawCloud raw = testing::raw_cloud({{0, 0, 0}, {1, 0, 0}});
+  raw.normals = {{0, 0, 1}, {0, 0, std::numeric_limits<float>::quiet_NaN()}};
+  const auto cloud = make_cloud(raw);
+  ASSERT_TRUE(cloud);
+  EXPECT_TRUE(cloud->normals.empty());
+  EXPECT_THAT(cloud->warnings, ::testing::ElementsAre(HasSubstr("normals dropped: that of point 1")));
+}
+
+struct Shuffled {
+  RawCloud raw;
+  std::vector<std::size_t> origin;
+};
+
+Shuffled shuffled(const RawCloud& raw, std::uint32_t seed) {
+  Shuffled result{{}, std::vector<std::size_t>(raw.size())};
+  std::iota(result.origin.begin(), result.origin.end(), std::size_t{0});
+  std::ranges::shuffle(result.origin, std::mt19937(seed));
+  for (const std::size_t i : result.origin) {
+    result.raw.positions.push_back(raw.positions[i]);
+    result.raw.normals.push_back(raw.normals[i]);
+    result.raw.colors.push_back(raw.colors[i]);
+  }
+  return result;
+}
+
+/// Random points on a small lattice, so that many coincide, with attributes.
+RawCloud lattice_cloud(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  RawCloud raw;
+  for (int i = 0; i < 200; ++i) {
+    const auto draw = [&] { return static_cast<double>(random() % 5) - 2; };
+    raw.positions.push_back({draw(), draw(), draw()});
+    raw.normals.push_back({static_cast<float>(draw()), static_cast<float>(draw()), 1});
+    raw.colors.push_back({static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), 0, 255});
+  }
+  return raw;
+}
+
+TEST(MakeCloud, gives_the_same_cloud_for_any_order_of_the_points) {
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    const RawCloud raw = lattice_cloud(seed);
+    const auto reference = make_cloud(raw);
+    const Shuffled other = shuffled(raw, seed + 100);
+    const auto cloud = make_cloud(other.raw);
+    ASSERT_TRUE(reference && cloud);
+    EXPECT_EQ(cloud->positions, reference->positions);
+    EXPECT_EQ(cloud->normals, reference->normals);
+    EXPECT_EQ(cloud->colors, reference->colors);
+    for (std::size_t i = 0; i < other.origin.size(); ++i) {
+      ASSERT_EQ(cloud->input_to_vertex[i], reference->input_to_vertex[other.origin[i]]);
+    }
+  }
+}
+
+TEST(MakeCloud, keeps_the_order_under_scaling_by_a_power_of_two) {
+  const std::vector<Point3> points = testing::random_points(500, 3);
+  const auto reference = make_cloud(testing::raw_cloud(points));
+  for (const int exponent : {-100, -3, 7, 100}) {
+    std::vector<Point3> scaled = points;
+    for (Point3& p : scaled) {
+      for (double& x : p) x = std::ldexp(x, exponent);
+    }
+    const auto cloud = make_cloud(testing::raw_cloud(scaled));
+    ASSERT_TRUE(cloud);
+    EXPECT_EQ(cloud->input_to_vertex, reference->input_to_vertex);
+  }
+}
+
+TEST(MakeCloud, agrees_with_a_map_of_positions) {
+  const RawCloud raw = lattice_cloud(77);
+  std::map<Point3, std::size_t> first_of;
+  for (std::size_t i = 0; i < raw.size(); ++i) first_of.emplace(raw.positions[i], i);
+  const auto cloud = make_cloud(raw);
+  ASSERT_TRUE(cloud);
+  EXPECT_EQ(cloud->size(), first_of.size());
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    EXPECT_EQ(cloud->positions[cloud->input_to_vertex[i]], raw.positions[i]);
+  }
+}
+
+TEST(MakeCloud, takes_an_empty_cloud) {
+  const auto cloud = make_cloud({});
+  ASSERT_TRUE(cloud);
+  EXPECT_EQ(cloud->size(), 0U);
+}
+
+TEST(MakeCloud, takes_the_extremes_of_float32) {
+  const double huge = static_cast<double>(std::numeric_limits<float>::max());
+  const double tiny = static_cast<double>(std::numeric_limits<float>::denorm_min());
+  const auto cloud = make_cloud(testing::raw_cloud({{huge, 0, 0}, {-huge, 0, 0}, {0, tiny, 0}, {0, 0, -tiny}}));
+  ASSERT_TRUE(cloud);
+  EXPECT_EQ(cloud->size(), 4U);
+}
+
+}  // namespace
+}  // namespace surfaced
