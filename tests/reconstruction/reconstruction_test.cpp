@@ -1,0 +1,165 @@
+#include "reconstruction/reconstruction.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include "support/shapes.hpp"
+
+namespace surfaced {
+namespace {
+
+using ::testing::HasSubstr;
+
+const MethodInfo& front() { return **find_method("advancing-front"); }
+
+/// A folder of its own that goes away with the test.
+class Files : public ::testing::Test {
+ protected:
+  Files() : folder_(std::filesystem::temp_directory_path() / ("surfaced-" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~Files() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write_cloud(const std::string& name, const std::vector<Point3>& points) const {
+    const auto bytes = encode_cloud_ply(points, {}, {});
+    EXPECT_TRUE(write_file(folder_ / name, bytes));
+    return folder_ / name;
+  }
+
+  Result<Json> reconstruct(const std::filesystem::path& cloud, const std::string& mesh, Json parameters = Json::object()) const {
+    Context context;
+    return reconstruct_file({cloud, folder_ / mesh, &front(), *check_parameters(front(), parameters), {}}, context);
+  }
+
+  static std::string bytes_of(const std::filesystem::path& path) {
+    std::ostringstream text;
+    text << std::ifstream(path, std::ios::binary).rdbuf();
+    return text.str();
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST(FindMethod, names_the_methods_there_are) {
+  const auto method = find_method("marching-cubes");
+  ASSERT_FALSE(method);
+  EXPECT_EQ(method.error().code, ErrorCode::unknown_method);
+  EXPECT_THAT(method.error().detail, HasSubstr("advancing-front"));
+}
+
+TEST(CheckParameters, fills_in_the_defaults_in_the_schema_s_order) {
+  const auto parameters = check_parameters(front(), Json::object());
+  ASSERT_TRUE(parameters);
+  EXPECT_EQ(parameters->dump(), R"({"radius_ratio_bound":5,"beta":0.52,"up":"y","quantization":"none"})");
+}
+
+TEST(CheckParameters, names_the_parameter_the_value_and_what_is_allowed) {
+  const auto wrong = check_parameters(front(), Json{{"beta", 4}});
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().code, ErrorCode::invalid_parameter);
+  EXPECT_THAT(wrong.error().detail, HasSubstr("'beta' is 4; allowed is a number >= 0 and <= 3.14159"));
+  const auto unknown = check_parameters(front(), Json{{"gamma", 4}});
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, ErrorCode::unknown_parameter);
+  EXPECT_THAT(unknown.error().detail, HasSubstr("radius_ratio_bound, beta"));
+  EXPECT_FALSE(check_parameters(front(), Json::array()));
+  EXPECT_FALSE(check_parameters(front(), Json{{"beta", "0.5"}}));
+  EXPECT_FALSE(check_parameters(front(), Json{{"quantization", 31}}));
+  EXPECT_FALSE(check_parameters(front(), Json{{"quantization", 11.5}}));
+  EXPECT_TRUE(check_parameters(front(), Json{{"quantization", 11}}));
+}
+
+TEST(ParametersFromText, reads_values_as_the_schema_s_type) {
+  const std::vector<std::pair<std::string, std::string>> given{{"beta", "0.25"}, {"quantization", "12"}, {"up", "z"}};
+  const auto parameters = parameters_from_text(front(), given);
+  ASSERT_TRUE(parameters) << parameters.error().detail;
+  EXPECT_EQ(parameters->at("beta"), 0.25);
+  EXPECT_EQ(parameters->at("quantization"), 12);
+  EXPECT_EQ(parameters->at("up"), "z");
+}
+
+TEST(ParametersFromText, refuses_garbage_and_repetition) {
+  for (const std::string bad : {"", "abc", "0.5x", "nan", "inf", "1e999", "\xff\xfe"}) {
+    const std::vector<std::pair<std::string, std::string>> given{{"beta", bad}};
+    const auto parameters = parameters_from_text(front(), given);
+    ASSERT_FALSE(parameters) << bad;
+    EXPECT_EQ(parameters.error().code, ErrorCode::invalid_parameter);
+  }
+  const std::vector<std::pair<std::string, std::string>> twice{{"beta", "0.5"}, {"beta", "0.5"}};
+  ASSERT_FALSE(parameters_from_text(front(), twice));
+}
+
+TEST_F(Files, report_agrees_with_a_recount_of_the_written_mesh) {
+  const auto cloud = write_cloud("sphere.ply", testing::sphere_points(600));
+  for (const std::string mesh : {"m.glb", "m.gltf", "m.drc", "m.ply"}) {
+    const auto report = reconstruct(cloud, mesh);
+    ASSERT_TRUE(report) << mesh << ": " << report.error().detail;
+    const auto decoded = read_mesh(folder_ / mesh);
+    ASSERT_TRUE(decoded) << mesh << ": " << decoded.error().detail;
+    EXPECT_EQ(report->at("mesh").at("triangles"), decoded->triangles.size());
+    EXPECT_EQ(report->at("mesh").at("vertices"), 600);
+    EXPECT_EQ(report->at("mesh").at("closed"), true);
+    EXPECT_EQ(report->at("quality").at("unused_points"), 0);
+    EXPECT_EQ(report->at("quality").at("interior_vertices"), 0);
+  }
+}
+
+TEST_F(Files, mesh_has_the_same_bytes_for_any_order_of_the_points) {
+  std::vector<Point3> points = testing::torus_points(40, 16);
+  const auto first = write_cloud("a.ply", points);
+  std::ranges::shuffle(points, std::mt19937(3));
+  const auto second = write_cloud("b.ply", points);
+  ASSERT_TRUE(reconstruct(first, "a.glb"));
+  ASSERT_TRUE(reconstruct(second, "b.glb"));
+  EXPECT_EQ(bytes_of(folder_ / "a.glb"), bytes_of(folder_ / "b.glb"));
+}
+
+TEST_F(Files, stages_cover_the_wall_time_and_start_with_read) {
+  const auto report = reconstruct(write_cloud("s.ply", testing::sphere_points(2000)), "s.glb");
+  ASSERT_TRUE(report);
+  double sum = 0;
+  for (const Json& stage : report->at("stages")) sum += stage.at("seconds").get<double>();
+  EXPECT_NEAR(sum, report->at("resources").at("wall_seconds").get<double>(), 1e-9);
+  EXPECT_EQ(report->at("stages").front().at("name"), "read");
+  EXPECT_EQ(report->at("stages").back().at("name"), "write");
+}
+
+TEST_F(Files, quantised_draco_reports_its_error_within_the_step_of_its_grid) {
+  const auto cloud = write_cloud("s.ply", testing::sphere_points(500));
+  const auto report = reconstruct(cloud, "q.drc", Json{{"quantization", 10}});
+  ASSERT_TRUE(report) << report.error().detail;
+  const double error = report->at("encoding").at("max_error");
+  EXPECT_GT(error, 0);
+  EXPECT_LT(error, 2.0 / 1023 * std::sqrt(3.0));
+}
+
+TEST_F(Files, refused_cloud_leaves_no_mesh_behind) {
+  const auto report = reconstruct(write_cloud("two.ply", {{0, 0, 0}, {1, 1, 1}}), "two.glb");
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::too_few_points);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "two.glb"));
+}
+
+TEST_F(Files, measure_counts_points_of_a_cloud_that_the_mesh_leaves_out) {
+  std::vector<Point3> points = testing::sphere_points(400);
+  ASSERT_TRUE(reconstruct(write_cloud("s.ply", points), "s.glb"));
+  points.push_back({0, 0, 0});
+  points.push_back({3, 0, 0});
+  const auto cloud = write_cloud("more.ply", points);
+  Context context;
+  const auto report = measure_file(folder_ / "s.glb", cloud, true, context);
+  ASSERT_TRUE(report) << report.error().detail;
+  EXPECT_EQ(report->at("quality").at("unused_points"), 2);
+  EXPECT_EQ(report->at("quality").at("interior_vertices"), 1);
+  EXPECT_EQ(report->at("quality").at("self_intersections"), 0);
+}
+
+}  // namespace
+}  // namespace surfaced
