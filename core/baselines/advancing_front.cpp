@@ -101,6 +101,7 @@ Result<TriangleMesh> reconstruct(const PointCloud& cloud, const AdvancingFrontPa
   front.run(parameters.radius_ratio_bound, parameters.beta);
   TriangleMesh mesh{cloud.positions, triangles_of(front), cloud.normals, cloud.colors};
   orient_outwards(mesh);
+  sort_triangles(mesh);
   return mesh;
 }
 
