@@ -24,7 +24,8 @@ Json common_properties() {
 }
 
 Json schema_of(Json properties) {
-  for (auto& [name, schema] : common_properties().items()) properties[name] = schema;
+  const Json common = common_properties();  // items() of a temporary would outlive it
+  for (const auto& [name, schema] : common.items()) properties[name] = schema;
   return Json{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
               {"type", "object"},
               {"additionalProperties", false},
