@@ -52,7 +52,8 @@ struct EncodeOptions {
 /// glTF: POSITION as float32, NORMAL, COLOR_0 where known; coordinates that float32 holds are kept bit
 /// for bit, otherwise an origin is subtracted that stands in the node's translation and, as double, in
 /// `extras.origin` of the node. The same mesh and options give the same bytes.
-Result<std::vector<std::byte>> encode_mesh(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options = {});
+Result<std::vector<std::byte>> encode_mesh(const TriangleMesh& mesh, MeshFormat format,
+                                           const EncodeOptions& options = {});
 
 /// Decodes a mesh in any MeshFormat, told by content: what a reader of the file gets. Node transforms
 /// other than the `up` rotation are applied, in double. A triangle with a repeated index is malformed_input.

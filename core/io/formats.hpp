@@ -1,0 +1,25 @@
+// The formats behind io.hpp: one reader and one writer each.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/bytes.hpp"
+#include "io/io.hpp"
+
+namespace surfaced::io {
+
+using Bytes = std::vector<std::byte>;
+
+/// Readers of a format may throw bad_alloc and length_error; io.cpp, the room's wall, catches them.
+Result<RawCloud> read_ply_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
+Result<TriangleMesh> read_ply_mesh(ByteSource& source, std::string_view name, std::vector<std::string>& warnings);
+
+Result<Bytes> write_ply_mesh(const TriangleMesh& mesh);
+Result<Bytes> write_gltf(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options);
+
+/// True if float32 holds every coordinate exactly.
+bool fits_float32(const std::vector<Point3>& positions);
+
+}  // namespace surfaced::io

@@ -1,0 +1,172 @@
+#include "io/io.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "io/bytes.hpp"
+#include "io/formats.hpp"
+#include "io/ply_header.hpp"
+
+namespace surfaced {
+namespace {
+
+using io::ByteSource;
+
+/// Enough of a file to tell its format and to show what it is instead.
+constexpr std::size_t kSniffed = 16;
+
+constexpr auto kExtensions = std::to_array<std::pair<std::string_view, MeshFormat>>({
+    {".glb", MeshFormat::glb},
+    {".gltf", MeshFormat::gltf},
+    {".drc", MeshFormat::drc},
+    {".ply", MeshFormat::ply},
+});
+
+/// Runs a reader or writer and turns what it throws into errors: the wall of this room.
+template <class T, class Work>
+Result<T> guarded(std::string_view name, Work work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::out_of_memory, std::string(name) + ": not enough memory to hold it"};
+  } catch (const std::length_error& error) {
+    return Error{ErrorCode::out_of_memory, std::string(name) + ": larger than any array can be (" + error.what() + ")"};
+  } catch (const std::exception& error) {
+    return Error{ErrorCode::internal_error, std::string(name) + ": " + error.what()};
+  }
+}
+
+/// What a file of no known format begins with.
+std::string shown(std::span<const std::byte> bytes) {
+  constexpr std::string_view kHex = "0123456789ABCDEF";
+  std::string hex;
+  std::string text;
+  for (const std::byte b : bytes.first(std::min(bytes.size(), kSniffed))) {
+    const auto value = std::to_integer<unsigned>(b);
+    hex += hex.empty() ? "" : " ";
+    hex += kHex[value >> 4];
+    hex += kHex[value & 15U];
+    text += value >= ' ' && value <= '~' ? static_cast<char>(value) : '.';
+  }
+  return "'" + text + "' (" + hex + ")";
+}
+
+bool starts_with(std::span<const std::byte> bytes, std::string_view magic) {
+  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin(), [](char a, std::byte b) {
+           return static_cast<unsigned char>(a) == std::to_integer<unsigned char>(b);
+         });
+}
+
+Error unknown_format(std::span<const std::byte> start, std::string_view name, const std::string& known) {
+  std::string what;
+  if (starts_with(start, "\x89PNG")) what = ", a PNG picture";
+  return {ErrorCode::unknown_format, std::string(name) + " begins with " + shown(start) + what + "; " + known};
+}
+
+Result<RawCloud> parse(ByteSource& source, std::string_view name, const ReadLimits& limits) {
+  const std::span<const std::byte> start = source.peek(kSniffed);
+  if (source.failure()) return *source.failure();
+  if (start.empty()) return Error{ErrorCode::empty_input, std::string(name) + " has 0 bytes"};
+  if (io::looks_like_ply(start)) return io::read_ply_cloud(source, name, limits);
+  return unknown_format(start, name, "a PLY begins with 'ply', a Draco file with 'DRACO'");
+}
+
+Result<TriangleMesh> parse_mesh(ByteSource& source, std::string_view name) {
+  const std::span<const std::byte> start = source.peek(kSniffed);
+  if (source.failure()) return *source.failure();
+  if (start.empty()) return Error{ErrorCode::empty_input, std::string(name) + " has 0 bytes"};
+  std::vector<std::string> warnings;
+  if (io::looks_like_ply(start)) return io::read_ply_mesh(source, name, warnings);
+  return unknown_format(start, name,
+                        "a PLY begins with 'ply', a Draco file with 'DRACO', a GLB with 'glTF', a glTF with '{'");
+}
+
+/// What no format could hold. Says which vertex or triangle it is.
+Status check_mesh(const TriangleMesh& mesh) {
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double x = mesh.positions[i][axis];
+      const auto narrow = static_cast<float>(x);
+      if (std::isfinite(narrow)) continue;
+      const ErrorCode code = std::isfinite(x) ? ErrorCode::coordinate_out_of_range : ErrorCode::coordinate_not_finite;
+      return Error{code, "vertex " + std::to_string(i) + ": " + "xyz"[axis] + " = " + std::to_string(x) +
+                             "; the largest float32 is 3.4028235e38"};
+    }
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const VertexIndex v : mesh.triangles[t]) {
+      if (v < mesh.positions.size()) continue;
+      return Error{ErrorCode::internal_error, "triangle " + std::to_string(t) + " refers to vertex " +
+                                                  std::to_string(v.value) + " of " +
+                                                  std::to_string(mesh.positions.size())};
+    }
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Result<RawCloud> read_cloud(const std::filesystem::path& path, const ReadLimits& limits) {
+  return guarded<RawCloud>(path.string(), [&]() -> Result<RawCloud> {
+    Result<ByteSource> source = ByteSource::open(path);
+    if (!source) return std::move(source).error();
+    return parse(*source, path.filename().string(), limits);
+  });
+}
+
+Result<RawCloud> parse_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits) {
+  return guarded<RawCloud>(name, [&] {
+    ByteSource source(bytes);
+    return parse(source, name, limits);
+  });
+}
+
+Result<MeshFormat> mesh_format_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const auto* found =
+      std::ranges::find(kExtensions, std::string_view(extension), [](const auto& row) { return row.first; });
+  if (found != kExtensions.end()) return found->second;
+  std::string known;
+  for (const auto& [name, format] : kExtensions) known += (known.empty() ? "" : ", ") + std::string(name);
+  return Error{ErrorCode::unknown_output,
+               "the extension '" + extension + "' of " + path.filename().string() + " is none of " + known};
+}
+
+Result<std::vector<std::byte>> encode_mesh(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options) {
+  return guarded<std::vector<std::byte>>("the mesh", [&]() -> Result<std::vector<std::byte>> {
+    if (Status status = check_mesh(mesh); !status) return std::move(status).error();
+    switch (format) {
+      case MeshFormat::glb:
+      case MeshFormat::gltf:
+        return io::write_gltf(mesh, format, options);
+      case MeshFormat::ply:
+        return io::write_ply_mesh(mesh);
+      case MeshFormat::drc:
+        break;
+    }
+    return Error{ErrorCode::unsupported_feature, "Draco is not written yet"};
+  });
+}
+
+Result<TriangleMesh> decode_mesh(std::span<const std::byte> bytes, std::string_view name) {
+  return guarded<TriangleMesh>(name, [&] {
+    ByteSource source(bytes);
+    return parse_mesh(source, name);
+  });
+}
+
+Result<TriangleMesh> read_mesh(const std::filesystem::path& path) {
+  return guarded<TriangleMesh>(path.string(), [&]() -> Result<TriangleMesh> {
+    Result<ByteSource> source = ByteSource::open(path);
+    if (!source) return std::move(source).error();
+    return parse_mesh(*source, path.filename().string());
+  });
+}
+
+}  // namespace surfaced

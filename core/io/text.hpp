@@ -1,0 +1,17 @@
+// Text of an input as it may stand in a message.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace surfaced::io {
+
+/// In quotes, cut to 60 characters, with '?' for what is not printable ASCII.
+inline std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kLength = 60;
+  std::string result = "'";
+  for (const char c : text.substr(0, kLength)) result += c >= ' ' && c <= '~' ? c : '?';
+  return result + (text.size() > kLength ? "...'" : "'");
+}
+
+}  // namespace surfaced::io
