@@ -86,7 +86,8 @@ std::vector<Triangle> triangles_of(const Reconstruction& front) {
   return triangles;
 }
 
-Result<TriangleMesh> reconstruct(const PointCloud& cloud, const AdvancingFrontParameters& parameters, Context& context) {
+Result<TriangleMesh> reconstruct(const PointCloud& cloud, const AdvancingFrontParameters& parameters,
+                                 Context& context) {
   // About 25 calls per point on the clouds measured; progress only.
   constexpr std::size_t kCallsPerPoint = 25;
   context.enter("delaunay", 0.4);

@@ -32,15 +32,16 @@ Status check_and_clean(std::vector<Point3>& positions) {
       }
       const std::string where = std::string("point ") + std::to_string(i) + ": " + "xyz"[axis] + " = " + value_text(x);
       if (!std::isfinite(x)) return Error{ErrorCode::coordinate_not_finite, where + " is not a finite number"};
-      return Error{ErrorCode::coordinate_out_of_range, where + " exceeds the largest float32, " + value_text(kFloatMax)};
+      return Error{ErrorCode::coordinate_out_of_range,
+                   where + " exceeds the largest float32, " + value_text(kFloatMax)};
     }
   }
   return Done{};
 }
 
 bool usable(const Normal3& n) {
-  const double length = std::sqrt(static_cast<double>(n[0]) * n[0] + static_cast<double>(n[1]) * n[1] +
-                                  static_cast<double>(n[2]) * n[2]);
+  const double length =
+      std::sqrt(static_cast<double>(n[0]) * n[0] + static_cast<double>(n[1]) * n[1] + static_cast<double>(n[2]) * n[2]);
   return std::isfinite(length) && length > 0;
 }
 
@@ -106,7 +107,8 @@ std::vector<Entry> sorted_entries(const RawCloud& raw) {
     if (!raw.normals.empty() && raw.normals[a.input] != raw.normals[b.input]) {
       return raw.normals[a.input] < raw.normals[b.input];
     }
-    if (!raw.colors.empty() && raw.colors[a.input] != raw.colors[b.input]) return raw.colors[a.input] < raw.colors[b.input];
+    if (!raw.colors.empty() && raw.colors[a.input] != raw.colors[b.input])
+      return raw.colors[a.input] < raw.colors[b.input];
     return a.input < b.input;
   });
   return entries;
@@ -120,7 +122,8 @@ Normal3 mean_normal(const RawCloud& raw, const Entry* first, const Entry* last) 
   }
   const double length = norm(sum);
   if (!(length > 0)) return raw.normals[first->input];
-  return {static_cast<float>(sum[0] / length), static_cast<float>(sum[1] / length), static_cast<float>(sum[2] / length)};
+  return {static_cast<float>(sum[0] / length), static_cast<float>(sum[1] / length),
+          static_cast<float>(sum[2] / length)};
 }
 
 Color4 mean_color(const RawCloud& raw, const Entry* first, const Entry* last) {

@@ -37,7 +37,6 @@ struct PointCloud {
   std::size_t size() const { return positions.size(); }
 };
 
-
 /// Validates, merges exact duplicates and sorts.
 /// @return  the cloud; coordinate_not_finite or coordinate_out_of_range with the index and value of
 ///          the first bad point. Normals that are not finite or zero are dropped, all of them, with a warning.

@@ -38,9 +38,8 @@ HalfEdges::HalfEdges(std::span<const Triangle> triangles, std::size_t vertices)
   for (std::size_t v = 0; v < vertices; ++v) {
     const auto first = slots.begin() + starts[v];
     const auto last = slots.begin() + starts[v + 1];
-    std::sort(first, last, [](const Slot& a, const Slot& b) {
-      return a.far != b.far ? a.far < b.far : a.half_edge < b.half_edge;
-    });
+    std::sort(first, last,
+              [](const Slot& a, const Slot& b) { return a.far != b.far ? a.far < b.far : a.half_edge < b.half_edge; });
     for (auto begin = first, end = first; begin != last; begin = end) {
       while (end != last && end->far == begin->far) edge_of_[(end++)->half_edge] = static_cast<std::uint32_t>(edges());
       uses_.push_back(static_cast<std::uint32_t>(end - begin));

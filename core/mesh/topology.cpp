@@ -90,7 +90,8 @@ std::size_t count_boundary_loops(const HalfEdges& half_edges, UnionFind& corners
   std::vector<std::uint32_t> at_fan(corners.size(), VertexIndex::kNone);
   std::size_t joins = 0;
   for (std::size_t i = 0; i < boundary.size(); ++i) {
-    for (const std::size_t corner : {std::size_t{boundary[i]}, std::size_t{HalfEdges::next(HalfEdgeIndex(boundary[i]))}}) {
+    for (const std::size_t corner :
+         {std::size_t{boundary[i]}, std::size_t{HalfEdges::next(HalfEdgeIndex(boundary[i]))}}) {
       std::uint32_t& other = at_fan[corners.find(corner)];
       if (other == VertexIndex::kNone) {
         other = static_cast<std::uint32_t>(i);

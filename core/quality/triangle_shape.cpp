@@ -47,9 +47,10 @@ TriangleShape shape_of(const Point3& a, const Point3& b, const Point3& c) {
   const double middle = edges[1].length;
   const double longest = edges[2].length;
   const double perimeter = edges[0].length + middle + longest;
-  return {.shortest_edge_to_circumradius = std::min(2 * doubled_area / (middle * longest), kMaxShortestEdgeToCircumradius),
-          .inradius_to_longest_edge = std::min(doubled_area / (perimeter * longest), kMaxInradiusToLongestEdge),
-          .area = doubled_area / 2};
+  return {
+      .shortest_edge_to_circumradius = std::min(2 * doubled_area / (middle * longest), kMaxShortestEdgeToCircumradius),
+      .inradius_to_longest_edge = std::min(doubled_area / (perimeter * longest), kMaxInradiusToLongestEdge),
+      .area = doubled_area / 2};
 }
 
 MeshQuality measure_quality(const TriangleMesh& mesh, const Topology& topology) {

@@ -25,7 +25,8 @@ std::string allowed_by(const Json& schema) {
   std::string text = schema.at("type") == "integer" ? "an integer" : "a " + schema.at("type").get<std::string>();
   if (schema.contains("minimum")) text += " >= " + schema.at("minimum").dump();
   if (schema.contains("exclusiveMinimum")) text += " > " + schema.at("exclusiveMinimum").dump();
-  if (schema.contains("maximum")) text += (text.find('>') != std::string::npos ? " and <= " : " <= ") + schema.at("maximum").dump();
+  if (schema.contains("maximum"))
+    text += (text.find('>') != std::string::npos ? " and <= " : " <= ") + schema.at("maximum").dump();
   return text;
 }
 
@@ -73,7 +74,8 @@ Json value_from_text(const std::string& text) {
 
 Error unknown_parameter(const MethodInfo& method, const std::string& name) {
   std::string known;
-  for (const auto& [each, schema] : method.parameters.at("properties").items()) known += (known.empty() ? "" : ", ") + each;
+  for (const auto& [each, schema] : method.parameters.at("properties").items())
+    known += (known.empty() ? "" : ", ") + each;
   return {ErrorCode::unknown_parameter,
           "method '" + method.id + "' has no parameter '" + name + "'; its parameters are: " + known};
 }
@@ -91,7 +93,8 @@ Json canonical(const Json& value) {
 Result<Json> check_parameters(const MethodInfo& method, const Json& given) {
   const Json& properties = method.parameters.at("properties");
   if (!given.is_object()) {
-    return Error{ErrorCode::invalid_parameter, "parameters must be a JSON object, not " + std::string(given.type_name())};
+    return Error{ErrorCode::invalid_parameter,
+                 "parameters must be a JSON object, not " + std::string(given.type_name())};
   }
   for (const auto& [name, value] : given.items()) {
     if (!properties.contains(name)) return unknown_parameter(method, name);

@@ -109,12 +109,12 @@ Result<Measured> measure_encoded(const Reconstruction& result, const PointCloud&
   }
   const Topology topology = topology_of(decoded);
   const EncodingEffect effect = effect_of_encoding(result.mesh, decoded);
-  return Measured{.mesh = topology_json(topology),
-                  .quality = quality_json(measure_quality(decoded, topology),
-                                          use_of_points(cloud, result.mesh, topology, interpolates), std::nullopt),
-                  .encoding = Json{{"format", format},
-                                   {"max_error", effect.max_error},
-                                   {"merged_vertices", effect.merged_vertices}}};
+  return Measured{
+      .mesh = topology_json(topology),
+      .quality = quality_json(measure_quality(decoded, topology),
+                              use_of_points(cloud, result.mesh, topology, interpolates), std::nullopt),
+      .encoding =
+          Json{{"format", format}, {"max_error", effect.max_error}, {"merged_vertices", effect.merged_vertices}}};
 }
 
 /// The part of the report that is the same for every run on the same points.
@@ -123,7 +123,8 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
   std::vector<std::string> warnings = cloud.warnings;
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
   if (measured.encoding.at("merged_vertices") > 0) {
-    warnings.push_back(measured.encoding.at("merged_vertices").dump() + " vertices share a position with another after encoding");
+    warnings.push_back(measured.encoding.at("merged_vertices").dump() +
+                       " vertices share a position with another after encoding");
   }
   return Json{{"method", request.method->id},
               {"parameters", request.parameters},
@@ -151,8 +152,8 @@ std::string_view name_of(MeshFormat format) {
 }
 
 /// Encodes the mesh, measures the decoded file and writes it; returns the reproducible report.
-Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result, MeshFormat format,
-                     Context& context) {
+Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result,
+                     MeshFormat format, Context& context) {
   context.section(1);
   context.enter("quality", 0.7);
   EncodeOptions options = encode_options_of(request.parameters);
@@ -194,7 +195,8 @@ void add_run(Json& report, Context& context) {
 
 }  // namespace
 
-Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters, Context& context) {
+Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters,
+                           Context& context) {
   Result<Reconstruction> result = method_of(method).engine(cloud, parameters, context);
   if (!result) return result;
   if (result->mesh.triangles.empty()) {

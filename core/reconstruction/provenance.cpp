@@ -37,7 +37,9 @@ Result<std::string> sha256_of_file(const std::filesystem::path& path) {
 Resources resources_used() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   constexpr std::uint64_t kKibibyte = 1024;
   return {.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime),
           .peak_rss_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * kKibibyte};

@@ -54,8 +54,7 @@ Result<Json> check_parameters(const MethodInfo& method, const Json& given);
 
 /// The same for parameters given as text (`--param name=value`, query strings): values are read as the
 /// schema's type first. A name given twice is invalid_parameter.
-Result<Json> parameters_from_text(const MethodInfo& method,
-                                  std::span<const std::pair<std::string, std::string>> given);
+Result<Json> parameters_from_text(const MethodInfo& method, std::span<const std::pair<std::string, std::string>> given);
 
 /// What a method made of a cloud.
 struct Reconstruction {

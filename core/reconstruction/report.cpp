@@ -10,7 +10,12 @@ Json or_null(const std::optional<T>& value) {
 
 Json distribution_json(const std::optional<Distribution>& d) {
   if (!d) return nullptr;
-  return Json{{"min", d->min}, {"max", d->max}, {"mean", d->mean}, {"p05", d->p05}, {"p50", d->p50}, {"p95", d->p95},
+  return Json{{"min", d->min},
+              {"max", d->max},
+              {"mean", d->mean},
+              {"p05", d->p05},
+              {"p50", d->p50},
+              {"p95", d->p95},
               {"histogram", {{"lower", 0.0}, {"upper", d->upper}, {"counts", d->histogram}}}};
 }
 

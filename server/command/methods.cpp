@@ -10,8 +10,8 @@ namespace {
 void print_as_text(const MethodInfo& method) {
   std::cout << method.id << ": " << method.title << "\n  " << method.summary << "\n";
   for (const auto& [name, schema] : method.parameters.at("properties").items()) {
-    std::cout << "    " << name << " = " << schema.at("default").dump() << "  " << schema.at("description").get<std::string>()
-              << "\n";
+    std::cout << "    " << name << " = " << schema.at("default").dump() << "  "
+              << schema.at("description").get<std::string>() << "\n";
   }
   std::cout << "  " << method.source << "\n\n";
 }

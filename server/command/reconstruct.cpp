@@ -53,7 +53,8 @@ Result<FileRequest> request_of(const Options& options) {
   if (!parameters) return std::move(parameters).error();
   if (const auto format = mesh_format_of(options.mesh); !format) return format.error();
   if (options.output != "mesh") {
-    return Error{ErrorCode::invalid_usage, "--output " + options.output + ": method '" + options.method + "' makes only a mesh"};
+    return Error{ErrorCode::invalid_usage,
+                 "--output " + options.output + ": method '" + options.method + "' makes only a mesh"};
   }
   return FileRequest{options.cloud, options.mesh, *method, std::move(*parameters), {}};
 }

@@ -106,7 +106,8 @@ TEST(AdvancingFront, survives_random_degenerate_lattices) {
     std::vector<Point3> points;
     const std::size_t n = 3 + random() % 30;
     for (std::size_t i = 0; i < n; ++i) {
-      points.push_back({static_cast<double>(random() % 4), static_cast<double>(random() % 4), static_cast<double>(random() % 3)});
+      points.push_back(
+          {static_cast<double>(random() % 4), static_cast<double>(random() % 4), static_cast<double>(random() % 3)});
     }
     const auto mesh = front_of(points);
     if (mesh) {

@@ -26,8 +26,9 @@ TEST(ShapeOf, right_triangle_3_4_5_has_the_known_radii) {
 }
 
 TEST(ShapeOf, degenerate_triangles_give_0) {
-  for (const TriangleShape& shape : {shape_of({1, 2, 3}, {1, 2, 3}, {1, 2, 3}), shape_of({0, 0, 0}, {0, 0, 0}, {1, 0, 0}),
-                                     shape_of({0, 0, 0}, {1, 1, 1}, {3, 3, 3})}) {
+  for (const TriangleShape& shape :
+       {shape_of({1, 2, 3}, {1, 2, 3}, {1, 2, 3}), shape_of({0, 0, 0}, {0, 0, 0}, {1, 0, 0}),
+        shape_of({0, 0, 0}, {1, 1, 1}, {3, 3, 3})}) {
     EXPECT_EQ(shape.shortest_edge_to_circumradius, 0);
     EXPECT_EQ(shape.inradius_to_longest_edge, 0);
     EXPECT_EQ(shape.area, 0);
@@ -44,7 +45,8 @@ TEST(ShapeOf, agrees_with_the_textbook_formulas_and_the_bounds_on_random_triangl
     const auto length = [&](int i, int j) {
       long double sum = 0;
       for (std::size_t k = 0; k < 3; ++k) {
-        const long double d = static_cast<long double>(p[static_cast<std::size_t>(i)][k]) - static_cast<long double>(p[static_cast<std::size_t>(j)][k]);
+        const long double d = static_cast<long double>(p[static_cast<std::size_t>(i)][k]) -
+                              static_cast<long double>(p[static_cast<std::size_t>(j)][k]);
         sum += d * d;
       }
       return std::sqrt(sum);

@@ -33,7 +33,8 @@ class Files : public ::testing::Test {
     return folder_ / name;
   }
 
-  Result<Json> reconstruct(const std::filesystem::path& cloud, const std::string& mesh, Json parameters = Json::object()) const {
+  Result<Json> reconstruct(const std::filesystem::path& cloud, const std::string& mesh,
+                           Json parameters = Json::object()) const {
     Context context;
     return reconstruct_file({cloud, folder_ / mesh, &front(), *check_parameters(front(), parameters), {}}, context);
   }

@@ -26,8 +26,8 @@ inline std::vector<Point3> sphere_points(std::size_t n, Point3 centre = {0, 0, 0
     const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(n);
     const double r = std::sqrt(1 - z * z);
     const double angle = golden * static_cast<double>(i);
-    points.push_back({centre[0] + radius * r * std::cos(angle), centre[1] + radius * r * std::sin(angle),
-                      centre[2] + radius * z});
+    points.push_back(
+        {centre[0] + radius * r * std::cos(angle), centre[1] + radius * r * std::sin(angle), centre[2] + radius * z});
   }
   return points;
 }
@@ -75,7 +75,8 @@ inline TriangleMesh torus_mesh(std::size_t around, std::size_t along) {
     for (std::size_t j = 0; j < along; ++j) {
       const double u = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(around);
       const double v = 2 * std::numbers::pi * static_cast<double>(j) / static_cast<double>(along);
-      mesh.positions.push_back({(1 + 0.3 * std::cos(v)) * std::cos(u), (1 + 0.3 * std::cos(v)) * std::sin(u), 0.3 * std::sin(v)});
+      mesh.positions.push_back(
+          {(1 + 0.3 * std::cos(v)) * std::cos(u), (1 + 0.3 * std::cos(v)) * std::sin(u), 0.3 * std::sin(v)});
       mesh.triangles.push_back(triangle(vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)));
       mesh.triangles.push_back(triangle(vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)));
     }
