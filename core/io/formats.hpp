@@ -15,6 +15,11 @@ using Bytes = std::vector<std::byte>;
 /// Readers of a format may throw bad_alloc and length_error; io.cpp, the room's wall, catches them.
 Result<RawCloud> read_ply_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
 Result<TriangleMesh> read_ply_mesh(ByteSource& source, std::string_view name, std::vector<std::string>& warnings);
+Result<TriangleMesh> read_gltf_mesh(std::span<const std::byte> bytes, std::string_view name,
+                                    std::vector<std::string>& warnings);
+
+/// Triangles with a repeated vertex are left out by every reader, which says so.
+void warn_of_degenerate(std::size_t triangles, std::vector<std::string>& warnings);
 
 Result<Bytes> write_ply_mesh(const TriangleMesh& mesh);
 Result<Bytes> write_gltf(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options);

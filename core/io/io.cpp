@@ -75,12 +75,23 @@ Result<RawCloud> parse(ByteSource& source, std::string_view name, const ReadLimi
   return unknown_format(start, name, "a PLY begins with 'ply', a Draco file with 'DRACO'");
 }
 
-Result<TriangleMesh> parse_mesh(ByteSource& source, std::string_view name) {
+/// A GLB, or text that begins with an object.
+bool looks_like_gltf(std::span<const std::byte> bytes) {
+  const auto blank = [](std::byte b) {
+    return b == std::byte{' '} || b == std::byte{'\t'} || b == std::byte{'\n'} || b == std::byte{'\r'};
+  };
+  const auto first = std::ranges::find_if_not(bytes, blank);
+  return starts_with(bytes, "glTF") || (first != bytes.end() && *first == std::byte{'{'});
+}
+
+Result<TriangleMesh> parse_mesh(ByteSource& source, std::string_view name, std::vector<std::string>* warnings) {
   const std::span<const std::byte> start = source.peek(kSniffed);
   if (source.failure()) return *source.failure();
   if (start.empty()) return Error{ErrorCode::empty_input, std::string(name) + " has 0 bytes"};
-  std::vector<std::string> warnings;
-  if (io::looks_like_ply(start)) return io::read_ply_mesh(source, name, warnings);
+  std::vector<std::string> unheard;
+  std::vector<std::string>& heard = warnings == nullptr ? unheard : *warnings;
+  if (io::looks_like_ply(start)) return io::read_ply_mesh(source, name, heard);
+  if (looks_like_gltf(start)) return io::read_gltf_mesh(source.rest(), name, heard);
   return unknown_format(start, name,
                         "a PLY begins with 'ply', a Draco file with 'DRACO', a GLB with 'glTF', a glTF with '{'");
 }
@@ -109,6 +120,14 @@ Status check_mesh(const TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+namespace io {
+
+void warn_of_degenerate(std::size_t triangles, std::vector<std::string>& warnings) {
+  if (triangles > 0) warnings.push_back(std::to_string(triangles) + " triangles with a repeated vertex left out");
+}
+
+}  // namespace io
 
 Result<RawCloud> read_cloud(const std::filesystem::path& path, const ReadLimits& limits) {
   return guarded<RawCloud>(path.string(), [&]() -> Result<RawCloud> {
@@ -154,18 +173,19 @@ Result<std::vector<std::byte>> encode_mesh(const TriangleMesh& mesh, MeshFormat 
   });
 }
 
-Result<TriangleMesh> decode_mesh(std::span<const std::byte> bytes, std::string_view name) {
+Result<TriangleMesh> decode_mesh(std::span<const std::byte> bytes, std::string_view name,
+                                 std::vector<std::string>* warnings) {
   return guarded<TriangleMesh>(name, [&] {
     ByteSource source(bytes);
-    return parse_mesh(source, name);
+    return parse_mesh(source, name, warnings);
   });
 }
 
-Result<TriangleMesh> read_mesh(const std::filesystem::path& path) {
+Result<TriangleMesh> read_mesh(const std::filesystem::path& path, std::vector<std::string>* warnings) {
   return guarded<TriangleMesh>(path.string(), [&]() -> Result<TriangleMesh> {
     Result<ByteSource> source = ByteSource::open(path);
     if (!source) return std::move(source).error();
-    return parse_mesh(*source, path.filename().string());
+    return parse_mesh(*source, path.filename().string(), warnings);
   });
 }
 

@@ -56,9 +56,12 @@ Result<std::vector<std::byte>> encode_mesh(const TriangleMesh& mesh, MeshFormat 
                                            const EncodeOptions& options = {});
 
 /// Decodes a mesh in any MeshFormat, told by content: what a reader of the file gets. Node transforms
-/// other than the `up` rotation are applied, in double. A triangle with a repeated index is malformed_input.
-Result<TriangleMesh> decode_mesh(std::span<const std::byte> bytes, std::string_view name);
-Result<TriangleMesh> read_mesh(const std::filesystem::path& path);
+/// other than the `up` rotation are applied, in double; polygons are cut into fans. Triangles with a
+/// repeated index are left out, as everything else that is dropped, with a sentence in `warnings`.
+/// @return  the mesh, with at least one vertex; errors as of read_cloud.
+Result<TriangleMesh> decode_mesh(std::span<const std::byte> bytes, std::string_view name,
+                                 std::vector<std::string>* warnings = nullptr);
+Result<TriangleMesh> read_mesh(const std::filesystem::path& path, std::vector<std::string>* warnings = nullptr);
 
 /// Writes a point cloud as binary little-endian PLY: float coordinates where float32 holds all of
 /// them exactly, else double.

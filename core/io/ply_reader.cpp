@@ -317,9 +317,7 @@ Result<TriangleMesh> read_ply_mesh(ByteSource& source, std::string_view name, st
   if (Status status = PlyReader(source, name, *header).run(&*sink, &faces); !status) return std::move(status).error();
   RawCloud cloud = sink->finish();
   warnings.insert(warnings.end(), cloud.warnings.begin(), cloud.warnings.end());
-  if (faces.degenerate() > 0) {
-    warnings.push_back(std::to_string(faces.degenerate()) + " triangles with a repeated vertex left out");
-  }
+  warn_of_degenerate(faces.degenerate(), warnings);
   mesh.positions = std::move(cloud.positions);
   mesh.normals = std::move(cloud.normals);
   mesh.colors = std::move(cloud.colors);
