@@ -127,7 +127,7 @@ Normal3 mean_normal(const RawCloud& raw, const Entry* first, const Entry* last) 
 }
 
 Color4 mean_color(const RawCloud& raw, const Entry* first, const Entry* last) {
-  const auto count = static_cast<std::uint64_t>(last - first);
+  const auto count = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(last - first));
   std::array<std::uint64_t, 4> sum{};
   for (const Entry* e = first; e != last; ++e) {
     for (std::size_t c = 0; c < 4; ++c) sum[c] += raw.colors[e->input][c];
