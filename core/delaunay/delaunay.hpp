@@ -1,0 +1,139 @@
+// The 3-D Delaunay triangulation of a cloud as flat arrays in canonical order.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/base.hpp"
+#include "cloud/cloud.hpp"
+
+namespace surfaced {
+
+/// Tetrahedron; with the vertex at infinity as fourth vertex, the space outside one facet of the convex hull.
+using CellIndex = Index<struct CellTag>;
+/// Side 4c+i: the facet of cell c opposite its vertex i, seen from c. Also the corner of c at vertex i.
+using SideIndex = Index<struct SideTag>;
+/// Position of an edge in an EdgeNumbering.
+using EdgeIndex = Index<struct EdgeTag>;
+
+/// Delaunay triangulation of V points together with the vertex at infinity (index V): a triangulated 3-sphere.
+/// The same for any order in which points were inserted and for any number of threads, also where more than
+/// four points lie on one sphere (symbolic perturbation).
+struct DelaunayComplex {
+  /// V points: those of the cloud times `scale`.
+  std::vector<Point3> positions;
+  /// Power of two that brings the bounding box to a size within [1, 2); 1 where that would not be exact.
+  double scale = 1;
+  /// 4 per cell, ascending; cells ascend lexicographically. An infinite cell has V as its last vertex.
+  std::vector<VertexIndex> vertices;
+  /// 4 per cell: the same facet seen from the neighbour. mates[mates[s]] == s.
+  std::vector<SideIndex> mates;
+  /// Per cell 1 if its four vertices in ascending order are negatively oriented (left-handed).
+  std::vector<std::uint8_t> mirrored;
+  /// The corners of vertex v are stars[star_starts[v]] .. stars[star_starts[v+1]-1], ascending. V+1 entries.
+  std::vector<std::uint32_t> star_starts;
+  std::vector<SideIndex> stars;
+
+  std::size_t points() const { return positions.size(); }
+  std::size_t cells() const { return vertices.size() / 4; }
+  bool infinite(CellIndex c) const { return vertices[4 * c + 3] == points(); }
+  static CellIndex cell_of(SideIndex s) { return CellIndex(s / 4); }
+  CellIndex neighbour(SideIndex s) const { return CellIndex(mates[s] / 4); }
+  std::span<const SideIndex> star(VertexIndex v) const {
+    return {stars.data() + star_starts[v], stars.data() + star_starts[v + 1]};
+  }
+  /// Vertices of the facet, ascending.
+  std::array<VertexIndex, 3> facet(SideIndex s) const {
+    const std::size_t c = s / 4 * 4;
+    const std::size_t i = s % 4;
+    return {vertices[c + (i > 0 ? 0 : 1)], vertices[c + (i > 1 ? 1 : 2)], vertices[c + (i > 2 ? 2 : 3)]};
+  }
+  /// Vertices of the facet in the order that turns counter-clockwise when seen from outside the cell.
+  std::array<VertexIndex, 3> outward_facet(SideIndex s) const {
+    std::array<VertexIndex, 3> f = facet(s);
+    if (((s % 4) & 1U) != mirrored[s / 4]) std::swap(f[1], f[2]);
+    return f;
+  }
+};
+
+/// The six edges of a cell: local vertices of edge k, ascending; edge 5-k is the opposite one.
+inline constexpr std::array<std::array<std::uint8_t, 2>, 6> kCellEdges{
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+/// A walk around an edge, cell by cell through the facets that contain it.
+class EdgeWalk {
+ public:
+  /// Starts in cell c at its edge from local vertex a to b; leaves it first through the side opposite
+  /// the lesser of the other two vertices.
+  EdgeWalk(const DelaunayComplex& complex, CellIndex c, unsigned a, unsigned b)
+      : complex_(complex), a_(complex.vertices[4 * c + a]), b_(complex.vertices[4 * c + b]) {
+    for (unsigned i = 4; i-- > 0;) {
+      if (i == a || i == b) continue;
+      entry_ = exit_;
+      exit_ = SideIndex(4 * c + i);
+    }
+  }
+
+  CellIndex cell() const { return CellIndex(exit_ / 4); }
+  /// Side of the current cell through which the walk goes on.
+  SideIndex exit() const { return exit_; }
+  /// Side of the current cell through which the walk came.
+  SideIndex entry() const { return entry_; }
+  void advance() {
+    entry_ = complex_.mates[exit_];
+    const std::size_t c = entry_ / 4 * 4;
+    for (std::size_t s = c; s < c + 4; ++s) {
+      if (s == entry_ || complex_.vertices[s] == a_ || complex_.vertices[s] == b_) continue;
+      exit_ = SideIndex(s);
+      return;
+    }
+  }
+
+ private:
+  const DelaunayComplex& complex_;
+  VertexIndex a_;
+  VertexIndex b_;
+  SideIndex entry_;
+  SideIndex exit_;
+};
+
+/// Edges 0..E-1 in the order of their first (cell, edge) slot.
+struct EdgeNumbering {
+  /// 6 per cell, in the order of kCellEdges.
+  std::vector<EdgeIndex> edge_of;
+  /// One slot 6c+k for every edge.
+  std::vector<std::uint32_t> slot_of;
+  std::size_t edges() const { return slot_of.size(); }
+};
+
+/// @cost  one walk around every edge; 24 bytes per cell.
+EdgeNumbering number_edges(const DelaunayComplex& complex);
+
+/// Cells as a triangulator gives them: any order, any order of the vertices. The vertex at infinity has
+/// index V. Invariants: neighbours[4c+i] is the cell beyond the facet opposite vertices[4c+i]; the vertices
+/// of a cell are positively oriented (the order of an infinite cell: as if the vertex at infinity stood far
+/// off outside the hull facet).
+struct RawTriangulation {
+  int dimension = 3;
+  std::vector<std::uint32_t> vertices;
+  std::vector<std::uint32_t> neighbours;
+};
+
+/// Triangulates distinct points; the way to put another Delaunay triangulation in CGAL's place.
+/// It must break ties on common spheres so that the cells do not depend on the order of insertion.
+using Triangulator = Result<RawTriangulation> (*)(std::span<const Point3> points, Context& context);
+
+/// CGAL's Delaunay triangulation with exact predicates; inserts in parallel where the context has threads
+/// and the cloud is large enough for that to pay.
+Result<RawTriangulation> triangulate_with_cgal(std::span<const Point3> points, Context& context);
+
+/// Triangulates the cloud and flattens the result; enters the stages `delaunay` (up to progress
+/// `until`/2) and `flatten` (up to `until`).
+/// @return  too_few_points, collinear or coplanar (exact) with the number of distinct points; cancelled.
+/// @cost    O(V log V) expected for points on surfaces; 0.35 kB per point kept, about 0.9 kB at the peak.
+Result<DelaunayComplex> delaunay_complex(const PointCloud& cloud, Context& context, double until,
+                                         Triangulator triangulate = triangulate_with_cgal);
+
+}  // namespace surfaced

@@ -1,0 +1,223 @@
+#include "delaunay/delaunay.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <set>
+
+#include "support/shapes.hpp"
+
+namespace surfaced {
+namespace {
+
+using testing::raw_cloud;
+
+PointCloud cloud_of(std::vector<Point3> points) { return *make_cloud(raw_cloud(std::move(points))); }
+
+DelaunayComplex complex_of(const PointCloud& cloud, unsigned threads = 1) {
+  Context context(threads);
+  return *delaunay_complex(cloud, context, 1);
+}
+
+ErrorCode error_of(std::vector<Point3> points, std::string* detail = nullptr) {
+  Context context;
+  const auto complex = delaunay_complex(cloud_of(std::move(points)), context, 1);
+  if (complex) return ErrorCode::internal_error;
+  if (detail != nullptr) *detail = complex.error().detail;
+  return complex.error().code;
+}
+
+std::vector<Point3> grid(int side) {
+  std::vector<Point3> points;
+  for (int x = 0; x < side; ++x) {
+    for (int y = 0; y < side; ++y) {
+      for (int z = 0; z < side; ++z) points.push_back({1.0 * x, 1.0 * y, 1.0 * z});
+    }
+  }
+  return points;
+}
+
+/// Of volumes computed in double from coordinates of about 1; cells on a sphere may be that flat.
+constexpr double kRounding = 1e-15;
+
+double signed_volume_of(const DelaunayComplex& complex, std::size_t c) {
+  const auto at = [&](std::size_t i) { return complex.positions[complex.vertices[4 * c + i]]; };
+  const double volume = dot(at(1) - at(0), cross(at(2) - at(0), at(3) - at(0))) / 6;
+  return complex.mirrored[c] != 0 ? -volume : volume;
+}
+
+std::vector<std::vector<Point3>> clouds() {
+  return {testing::random_points(4, 1), testing::random_points(5, 2),  testing::random_points(300, 3),
+          testing::sphere_points(500),  testing::torus_points(20, 12), grid(4)};
+}
+
+TEST(Delaunay, mates_are_the_same_facet_seen_from_two_cells) {
+  for (const auto& points : clouds()) {
+    const DelaunayComplex complex = complex_of(cloud_of(points));
+    for (std::size_t s = 0; s < complex.mates.size(); ++s) {
+      const SideIndex mate = complex.mates[s];
+      ASSERT_EQ(complex.mates[mate], SideIndex(s));
+      ASSERT_NE(mate / 4, s / 4);
+      ASSERT_EQ(complex.facet(mate), complex.facet(SideIndex(s)));
+    }
+  }
+}
+
+TEST(Delaunay, cells_and_their_vertices_ascend) {
+  for (const auto& points : clouds()) {
+    const DelaunayComplex complex = complex_of(cloud_of(points));
+    for (std::size_t c = 0; c < complex.cells(); ++c) {
+      for (std::size_t i = 0; i < 3; ++i) ASSERT_LT(complex.vertices[4 * c + i], complex.vertices[4 * c + i + 1]);
+      if (c == 0) continue;
+      ASSERT_TRUE(std::lexicographical_compare(&complex.vertices[4 * c - 4], &complex.vertices[4 * c],
+                                               &complex.vertices[4 * c], &complex.vertices[4 * c] + 4));
+    }
+  }
+}
+
+TEST(Delaunay, outward_facets_of_finite_cells_turn_outwards_and_cells_fill_the_convex_hull) {
+  for (const auto& points : clouds()) {
+    const DelaunayComplex complex = complex_of(cloud_of(points));
+    double cells_volume = 0;
+    double hull_volume = 0;
+    for (std::size_t c = 0; c < complex.cells(); ++c) {
+      if (complex.infinite(CellIndex(c))) continue;
+      EXPECT_GT(signed_volume_of(complex, c), -kRounding);
+      cells_volume += signed_volume_of(complex, c);
+      for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
+        const auto [p, q, r] = complex.outward_facet(SideIndex(s));
+        const Point3& o = complex.positions[complex.vertices[s]];
+        const double height = dot(complex.positions[p] - o, cross(complex.positions[q] - o, complex.positions[r] - o));
+        EXPECT_GT(height, -kRounding);
+        if (complex.infinite(complex.neighbour(SideIndex(s)))) {
+          hull_volume += dot(complex.positions[p], cross(complex.positions[q], complex.positions[r])) / 6;
+        }
+      }
+    }
+    EXPECT_NEAR(cells_volume, hull_volume, 1e-9 * cells_volume);
+  }
+}
+
+TEST(Delaunay, stars_list_every_corner_once) {
+  for (const auto& points : clouds()) {
+    const DelaunayComplex complex = complex_of(cloud_of(points));
+    std::size_t corners = 0;
+    for (std::size_t v = 0; v < complex.points(); ++v) {
+      const auto star = complex.star(VertexIndex(v));
+      corners += star.size();
+      EXPECT_TRUE(std::ranges::is_sorted(star));
+      for (const SideIndex corner : star) ASSERT_EQ(complex.vertices[corner], VertexIndex(v));
+    }
+    std::size_t infinite = 0;
+    for (std::size_t c = 0; c < complex.cells(); ++c) infinite += complex.infinite(CellIndex(c)) ? 1U : 0U;
+    EXPECT_EQ(corners + infinite, 4 * complex.cells());
+  }
+}
+
+TEST(Delaunay, has_the_euler_characteristic_of_the_3_sphere) {
+  for (const auto& points : clouds()) {
+    const DelaunayComplex complex = complex_of(cloud_of(points));
+    const auto edges = static_cast<std::ptrdiff_t>(number_edges(complex).edges());
+    const auto cells = static_cast<std::ptrdiff_t>(complex.cells());
+    EXPECT_EQ(static_cast<std::ptrdiff_t>(complex.points()) + 1 - edges + 2 * cells - cells, 0);
+  }
+}
+
+TEST(Delaunay, edge_numbers_tell_edges_apart_by_their_vertices) {
+  const DelaunayComplex complex = complex_of(cloud_of(testing::random_points(200, 4)));
+  const EdgeNumbering numbering = number_edges(complex);
+  std::set<std::pair<VertexIndex, VertexIndex>> seen;
+  std::vector<std::pair<VertexIndex, VertexIndex>> ends(numbering.edges());
+  for (std::size_t slot = 0; slot < numbering.edge_of.size(); ++slot) {
+    const auto [a, b] = kCellEdges[slot % 6];
+    const std::pair edge{complex.vertices[4 * (slot / 6) + a], complex.vertices[4 * (slot / 6) + b]};
+    if (numbering.slot_of[numbering.edge_of[slot]] == slot) {
+      ends[numbering.edge_of[slot]] = edge;
+      EXPECT_TRUE(seen.insert(edge).second);
+    }
+    EXPECT_EQ(ends[numbering.edge_of[slot]], edge);
+  }
+}
+
+TEST(Delaunay, no_point_lies_in_the_ball_of_a_cell) {
+  const DelaunayComplex complex = complex_of(cloud_of(testing::random_points(120, 5)));
+  for (std::size_t c = 0; c < complex.cells(); ++c) {
+    if (complex.infinite(CellIndex(c))) continue;
+    const Point3 o = complex.positions[complex.vertices[4 * c]];
+    const auto edge = [&](std::size_t i) { return complex.positions[complex.vertices[4 * c + i]] - o; };
+    const Point3 a = edge(1);
+    const Point3 b = edge(2);
+    const Point3 d = edge(3);
+    Point3 centre{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      centre[k] = (dot(a, a) * cross(b, d)[k] + dot(b, b) * cross(d, a)[k] + dot(d, d) * cross(a, b)[k]) /
+                  (2 * dot(a, cross(b, d)));
+    }
+    for (const Point3& p : complex.positions) EXPECT_GE(norm(p - o - centre), norm(centre) * (1 - 1e-9));
+  }
+}
+
+TEST(Delaunay, is_the_same_for_any_order_of_the_points_even_on_a_grid) {
+  std::mt19937 random(7);
+  for (auto points : {grid(6), testing::sphere_points(400), testing::random_points(9000, 6)}) {
+    const DelaunayComplex expected = complex_of(cloud_of(points));
+    for (int round = 0; round < 3; ++round) {
+      std::ranges::shuffle(points, random);
+      const DelaunayComplex complex = complex_of(cloud_of(points), 2);
+      EXPECT_EQ(complex.vertices, expected.vertices);
+      EXPECT_EQ(complex.mates, expected.mates);
+      EXPECT_EQ(complex.mirrored, expected.mirrored);
+      EXPECT_EQ(complex.stars, expected.stars);
+    }
+  }
+}
+
+TEST(Delaunay, scales_by_powers_of_two_alone_and_keeps_the_cells) {
+  const std::vector<Point3> points = testing::random_points(100, 8);
+  const DelaunayComplex expected = complex_of(cloud_of(points));
+  for (const int exponent : {-90, -3, 5, 100}) {
+    std::vector<Point3> scaled = points;
+    for (Point3& p : scaled) {
+      for (double& x : p) x = std::ldexp(x, exponent);
+    }
+    const DelaunayComplex complex = complex_of(cloud_of(scaled));
+    EXPECT_EQ(complex.vertices, expected.vertices);
+    EXPECT_EQ(complex.positions, expected.positions);
+    EXPECT_EQ(complex.scale, std::ldexp(expected.scale, -exponent));
+  }
+}
+
+TEST(Delaunay, points_that_would_lose_bits_are_not_scaled) {
+  const std::vector<Point3> points{{1e38, 0, 0}, {0, 1e38, 0}, {0, 0, 1e38}, {0, 0, 0}, {5e-324, 0, 0}};
+  const DelaunayComplex complex = complex_of(cloud_of(points));
+  EXPECT_EQ(complex.scale, 1);
+  EXPECT_EQ(complex.points(), 5U);
+}
+
+TEST(Delaunay, flat_input_is_refused_by_name_and_count) {
+  std::string detail;
+  EXPECT_EQ(error_of({}, &detail), ErrorCode::too_few_points);
+  EXPECT_EQ(error_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 0}}, &detail), ErrorCode::too_few_points);
+  EXPECT_THAT(detail, ::testing::HasSubstr("3 distinct points"));
+  EXPECT_EQ(error_of({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {-4, -4, -4}, {3, 3, 3}}, &detail), ErrorCode::collinear);
+  EXPECT_THAT(detail, ::testing::HasSubstr("5 distinct points"));
+  EXPECT_EQ(error_of({{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}, {3, 7, 1}, {5, 5, 1}}, &detail), ErrorCode::coplanar);
+  EXPECT_THAT(detail, ::testing::HasSubstr("6 distinct points"));
+}
+
+TEST(Delaunay, the_least_deviation_from_a_plane_is_not_flat) {
+  EXPECT_EQ(error_of({{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, std::nextafter(1.0, 2.0)}}), ErrorCode::internal_error);
+}
+
+TEST(Delaunay, stops_when_cancelled) {
+  const std::atomic<bool> cancel{true};
+  Context context(1, {}, &cancel);
+  const auto complex = delaunay_complex(cloud_of(testing::random_points(100, 9)), context, 1);
+  ASSERT_FALSE(complex);
+  EXPECT_EQ(complex.error().code, ErrorCode::cancelled);
+}
+
+}  // namespace
+}  // namespace surfaced
