@@ -24,15 +24,6 @@ Json common_properties() {
                 {"x-unit", "bits"}}}};
 }
 
-Json schema_of(Json properties) {
-  const Json common = common_properties();  // items() of a temporary would outlive it
-  for (const auto& [name, schema] : common.items()) properties[name] = schema;
-  return Json{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-              {"type", "object"},
-              {"additionalProperties", false},
-              {"properties", std::move(properties)}};
-}
-
 Result<Reconstruction> run_advancing_front(const PointCloud& cloud, const Json& parameters, Context& context) {
   Result<TriangleMesh> mesh = advancing_front(
       cloud, {.radius_ratio_bound = parameters.at("radius_ratio_bound"), .beta = parameters.at("beta")}, context);
@@ -76,7 +67,7 @@ Method advancing_front_method() {
 }
 
 const std::vector<Method>& table() {
-  static const std::vector<Method> methods{advancing_front_method()};
+  static const std::vector<Method> methods{minimum_boundary_method(), advancing_front_method()};
   return methods;
 }
 
@@ -90,6 +81,15 @@ const std::vector<MethodInfo>& infos() {
 }
 
 }  // namespace
+
+Json schema_of(Json properties) {
+  const Json common = common_properties();  // items() of a temporary would outlive it
+  for (const auto& [name, schema] : common.items()) properties[name] = schema;
+  return Json{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+              {"type", "object"},
+              {"additionalProperties", false},
+              {"properties", std::move(properties)}};
+}
 
 std::span<const MethodInfo> methods() { return infos(); }
 

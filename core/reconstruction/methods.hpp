@@ -17,6 +17,11 @@ struct Method {
 /// The method behind a MethodInfo from methods().
 const Method& method_of(const MethodInfo& info);
 
+Method minimum_boundary_method();
+
+/// A method's schema: its own properties and those that every method has.
+Json schema_of(Json properties);
+
 /// Options every method takes; each method's schema includes them.
 EncodeOptions encode_options_of(const Json& parameters);
 

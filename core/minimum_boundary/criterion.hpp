@@ -1,0 +1,49 @@
+// λ, the criterion that the paper minimises (§4.2, equation 1).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "delaunay/delaunay.hpp"
+
+namespace surfaced::boundary {
+
+/// λ of a facet: the length of its longest edge. Comparisons use the square in double, ties the sorted
+/// vertices; sums use 64-bit fixed point, so that they depend neither on order nor on threads.
+class Criterion {
+ public:
+  explicit Criterion(const DelaunayComplex& complex)
+      : complex_(complex), per_unit_(std::ldexp(1.0, kFractionBits) / diagonal(complex)) {}
+
+  /// λ² in the scaled unit. The operands of every difference stand in the order of the vertices.
+  double squared(SideIndex s) const {
+    const auto [a, b, c] = complex_.facet(s);
+    return std::max({edge_squared(a, b), edge_squared(a, c), edge_squared(b, c)});
+  }
+  double edge_squared(VertexIndex a, VertexIndex b) const {
+    const Point3 d = complex_.positions[b] - complex_.positions[a];
+    return dot(d, d);
+  }
+
+  /// λ in units of the bounding box's diagonal / 2^40. λ <= diagonal, so 2^23 longest facets fit a sum.
+  std::int64_t energy(SideIndex s) const { return std::llround(std::sqrt(squared(s)) * per_unit_); }
+
+  /// Order of the paper: ascending λ, ties lexicographically.
+  bool less(SideIndex a, SideIndex b) const { return less(a, squared(a), b, squared(b)); }
+  bool less(SideIndex a, double squared_a, SideIndex b, double squared_b) const {
+    return squared_a != squared_b ? squared_a < squared_b : complex_.facet(a) < complex_.facet(b);
+  }
+
+  /// An energy in the unit of the input.
+  double length(std::int64_t energy) const { return static_cast<double>(energy) / per_unit_ / complex_.scale; }
+
+ private:
+  static constexpr int kFractionBits = 40;
+  static double diagonal(const DelaunayComplex& complex) { return bounds_of(complex.positions).diagonal(); }
+
+  const DelaunayComplex& complex_;
+  double per_unit_;
+};
+
+}  // namespace surfaced::boundary

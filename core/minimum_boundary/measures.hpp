@@ -1,0 +1,30 @@
+// What is counted on a labelling: topology and the paper's energy.
+#pragma once
+
+#include <cstdint>
+
+#include "minimum_boundary/criterion.hpp"
+#include "minimum_boundary/labelling.hpp"
+
+namespace surfaced::boundary {
+
+/// Counts of the surface of a labelling whose vertices are all good.
+struct Measures {
+  std::size_t facets = 0;
+  /// Points on the surface; the others are interior.
+  std::size_t vertices = 0;
+  std::size_t interior = 0;
+  std::size_t components = 0;
+  /// Σλ in the criterion's units.
+  std::int64_t energy = 0;
+
+  /// V - E + F of a closed surface, whose edges are 3F/2.
+  std::int64_t euler() const { return static_cast<std::int64_t>(vertices) - static_cast<std::int64_t>(facets) / 2; }
+  /// Handles of all components together.
+  std::int64_t handles() const { return static_cast<std::int64_t>(components) - euler() / 2; }
+};
+
+/// @cost  O(cells).
+Measures measure(const Labelling& labels, const Criterion& criterion);
+
+}  // namespace surfaced::boundary

@@ -1,0 +1,64 @@
+// Method `minimum-boundary`: minimises edge length to connect sparsely sampled points
+// (Ohrhallinger, Mudur, Wimmer 2013). A closed manifold through or around every point, for any input.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/base.hpp"
+#include "cloud/cloud.hpp"
+#include "mesh/mesh.hpp"
+
+namespace surfaced {
+
+struct MinimumBoundaryParameters {
+  /// One component, or as many as the boundary complex without the connectedness condition finds (§8).
+  enum class Components : std::uint8_t { one, many };
+  /// How holes in the hull of the boundary complex are covered (§5.4 and what is stronger).
+  enum class Lids : std::uint8_t { watershed, ball, paper, mincut, none };
+  /// best: all candidates, fused; fast: one candidate; paper: the paper's own way.
+  enum class Variant : std::uint8_t { best, fast, paper };
+  enum class StopAfter : std::uint8_t { none, boundary_complex, inflated };
+
+  Components components = Components::one;
+  Lids lids = Lids::watershed;
+  /// Ball ratio below which lids=ball covers; none chooses.
+  std::optional<double> delta = std::nullopt;
+  Variant variant = Variant::best;
+  StopAfter stop_after = StopAfter::none;
+};
+
+struct MinimumBoundaryStatistics {
+  std::size_t cells = 0;
+  std::size_t boundary_complex_facets = 0;
+  std::size_t reinserted_facets = 0;
+  std::size_t inflated_cells = 0;
+  /// Cells taken in by the fallback that Theorem B shows to be unreachable.
+  std::size_t forced_cells = 0;
+  std::size_t exposed_vertices = 0;
+  std::size_t flipped_edges = 0;
+  /// The paper's "int": points inside the surface.
+  std::size_t interior_vertices = 0;
+  std::size_t components = 0;
+  std::int64_t genus = 0;
+  /// Sum of the longest edges of all triangles, in the unit of the input.
+  double sum_lambda = 0;
+};
+
+struct MinimumBoundaryResult {
+  /// Vertex v is point v of the cloud; points inside the volume are in no triangle.
+  TriangleMesh mesh;
+  std::vector<std::string> warnings;
+  MinimumBoundaryStatistics statistics;
+};
+
+/// @return  closed, oriented, edge- and vertex-manifold, without self-intersection, every point on it or
+///          inside it (with StopAfter::boundary_complex: the boundary complex, which is none of that);
+///          too_few_points, collinear, coplanar, cancelled, out_of_memory.
+/// @cost    O(V log V) for points on surfaces, about twice its Delaunay triangulation.
+Result<MinimumBoundaryResult> minimum_boundary(const PointCloud& cloud, const MinimumBoundaryParameters& parameters,
+                                               Context& context);
+
+}  // namespace surfaced

@@ -1,0 +1,88 @@
+#include "minimum_boundary/minimum_boundary.hpp"
+#include "reconstruction/methods.hpp"
+
+namespace surfaced {
+namespace {
+
+using Parameters = MinimumBoundaryParameters;
+
+Parameters parameters_of(const Json& json) {
+  Parameters parameters;
+  if (json.at("components") == "many") parameters.components = Parameters::Components::many;
+  if (json.at("lids") == "none") parameters.lids = Parameters::Lids::none;
+  if (json.at("variant") == "fast") parameters.variant = Parameters::Variant::fast;
+  if (json.at("stop_after") == "boundary-complex") parameters.stop_after = Parameters::StopAfter::boundary_complex;
+  if (json.at("stop_after") == "inflated") parameters.stop_after = Parameters::StopAfter::inflated;
+  return parameters;
+}
+
+Json statistics_json(const MinimumBoundaryStatistics& s) {
+  return Json{{"delaunay_cells", s.cells},
+              {"boundary_complex_facets", s.boundary_complex_facets},
+              {"reinserted_facets", s.reinserted_facets},
+              {"inflated_cells", s.inflated_cells},
+              {"exposed_vertices", s.exposed_vertices},
+              {"flipped_edges", s.flipped_edges},
+              {"interior_vertices", s.interior_vertices},
+              {"components", s.components},
+              {"genus", s.genus},
+              {"sum_of_longest_edges", s.sum_lambda}};
+}
+
+Result<Reconstruction> run_minimum_boundary(const PointCloud& cloud, const Json& parameters, Context& context) {
+  Result<MinimumBoundaryResult> result = minimum_boundary(cloud, parameters_of(parameters), context);
+  if (!result) return std::move(result).error();
+  return Reconstruction{.mesh = std::move(result->mesh),
+                        .warnings = std::move(result->warnings),
+                        .statistics = statistics_json(result->statistics)};
+}
+
+Json parameter_properties() {
+  return Json{{"components",
+               {{"enum", {"one", "many"}},
+                {"default", "one"},
+                {"title", "Connectedness"},
+                {"description", "one asks for a single surface; many drops the paper's connectedness condition."}}},
+              {"lids",
+               {{"enum", {"watershed", "none"}},
+                {"default", "watershed"},
+                {"title", "How holes in the hull of the boundary complex are covered"},
+                {"description",
+                 "watershed merges the Delaunay cells that lie on the same side; none covers nothing and shows "
+                 "why covering is needed."}}},
+              {"variant",
+               {{"enum", {"best", "fast"}},
+                {"default", "best"},
+                {"title", "Effort"},
+                {"description", "best compares several labellings and keeps the best parts of each; fast makes one."}}},
+              {"stop_after",
+               {{"enum", {"none", "boundary-complex", "inflated"}},
+                {"default", "none"},
+                {"title", "Stage to stop after"},
+                {"description",
+                 "boundary-complex gives BC_0 for display, which is not manifold; inflated the closed surface "
+                 "before its last improvement."}}}};
+}
+
+}  // namespace
+
+Method minimum_boundary_method() {
+  return {
+      .info = {.id = "minimum-boundary",
+               .title = "Minimum boundary",
+               .summary =
+                   "Connects the points by the closed surface of the Delaunay triangulation whose triangles have "
+                   "the shortest longest edges. For sparse and uneven clouds of closed objects, sharp corners kept.",
+               .source = "S. Ohrhallinger, S. Mudur, M. Wimmer, Minimizing edge length to connect sparsely sampled "
+                         "unstructured point sets, Computers & Graphics 37 (2013)",
+               .guarantees = {"The mesh is closed, consistently oriented outwards, edge- and vertex-manifold.",
+                              "It does not intersect itself, in the coordinates computed with.",
+                              "Every vertex is an input point, and every input point is a vertex or inside the mesh."},
+               .limitations = {"The genus is not guaranteed.", "Openings of a scan are closed.",
+                               "All points in one plane are refused: no closed surface exists."},
+               .parameters = schema_of(parameter_properties())},
+      .interpolates = true,
+      .engine = run_minimum_boundary};
+}
+
+}  // namespace surfaced

@@ -1,0 +1,142 @@
+#include "minimum_boundary/minimum_boundary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <random>
+
+#include "support/shapes.hpp"
+
+namespace surfaced {
+namespace {
+
+using Parameters = MinimumBoundaryParameters;
+
+MinimumBoundaryResult reconstruct(const std::vector<Point3>& points, const Parameters& parameters = {},
+                                  unsigned threads = 1) {
+  Context context(threads);
+  return *minimum_boundary(*make_cloud(testing::raw_cloud(points)), parameters, context);
+}
+
+std::vector<Point3> random_torus(std::size_t n, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
+  std::vector<Point3> points;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double u = angle(random);
+    const double v = angle(random);
+    points.push_back({(1 + 0.3 * std::cos(v)) * std::cos(u), (1 + 0.3 * std::cos(v)) * std::sin(u), 0.3 * std::sin(v)});
+  }
+  return points;
+}
+
+TEST(MinimumBoundary, four_points_give_the_tetrahedron) {
+  const auto result = reconstruct({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  EXPECT_EQ(result.mesh.triangles.size(), 4U);
+  EXPECT_GT(signed_volume(result.mesh), 0);
+}
+
+TEST(MinimumBoundary, eight_corners_give_the_cube_with_the_shortest_diagonals) {
+  std::vector<Point3> corners;
+  for (int i = 0; i < 8; ++i) corners.push_back({1.0 * (i & 1), 1.0 * (i >> 1 & 1), 1.0 * (i >> 2)});
+  const auto result = reconstruct(corners);
+  EXPECT_EQ(result.mesh.triangles.size(), 12U);
+  EXPECT_EQ(topology_of(result.mesh).genus, 0);
+  EXPECT_NEAR(result.statistics.sum_lambda, 12 * std::sqrt(2.0), 1e-9);
+  EXPECT_NEAR(signed_volume(result.mesh), 1, 1e-12);
+}
+
+TEST(MinimumBoundary, interpolates_every_point_of_a_sphere) {
+  const auto result = reconstruct(testing::sphere_points(2000));
+  EXPECT_EQ(result.mesh.triangles.size(), 2 * 2000U - 4);
+  EXPECT_EQ(topology_of(result.mesh).genus, 0);
+  EXPECT_EQ(result.statistics.interior_vertices, 0U);
+}
+
+TEST(MinimumBoundary, finds_the_handle_of_a_torus_also_where_the_points_are_random) {
+  for (const auto& points : {testing::torus_points(40, 18), random_torus(5000, 1)}) {
+    const auto result = reconstruct(points);
+    const Topology topology = topology_of(result.mesh);
+    EXPECT_TRUE(topology.closed && topology.vertex_manifold && topology.oriented);
+    EXPECT_EQ(topology.genus, 1);
+    EXPECT_EQ(topology.components, 1U);
+    EXPECT_EQ(result.statistics.interior_vertices, 0U);
+    EXPECT_EQ(result.statistics.genus, 1);
+  }
+}
+
+TEST(MinimumBoundary, is_the_same_for_any_order_of_the_points_and_any_number_of_threads) {
+  std::vector<Point3> points = random_torus(6000, 2);
+  const auto expected = reconstruct(points);
+  std::mt19937 random(3);
+  for (const unsigned threads : {1U, 2U, 4U}) {
+    std::ranges::shuffle(points, random);
+    const auto result = reconstruct(points, {}, threads);
+    EXPECT_EQ(result.mesh.positions, expected.mesh.positions);
+    EXPECT_EQ(result.mesh.triangles, expected.mesh.triangles);
+  }
+}
+
+TEST(MinimumBoundary, is_the_same_at_any_power_of_two_scale) {
+  const std::vector<Point3> points = random_torus(2000, 4);
+  const auto expected = reconstruct(points);
+  for (const double scale : {0x1p-70, 0x1p60}) {
+    std::vector<Point3> scaled = points;
+    for (Point3& p : scaled) {
+      for (double& x : p) x *= scale;
+    }
+    const auto result = reconstruct(scaled);
+    EXPECT_EQ(result.mesh.triangles, expected.mesh.triangles);
+    EXPECT_NEAR(result.statistics.sum_lambda / scale, expected.statistics.sum_lambda,
+                1e-9 * expected.statistics.sum_lambda);
+  }
+}
+
+TEST(MinimumBoundary, stops_after_the_boundary_complex_on_request) {
+  const auto result = reconstruct(random_torus(1000, 5), {.stop_after = Parameters::StopAfter::boundary_complex});
+  EXPECT_EQ(result.mesh.triangles.size(), result.statistics.boundary_complex_facets);
+  EXPECT_EQ(topology_of(result.mesh).boundary_edges, 0U);
+}
+
+TEST(MinimumBoundary, reports_progress_that_never_falls_and_stages_without_gaps) {
+  double last = 0;
+  bool falls = false;
+  Context context(2, [&](double fraction, std::string_view) {
+    falls |= fraction < last;
+    last = fraction;
+  });
+  ASSERT_TRUE(minimum_boundary(*make_cloud(testing::raw_cloud(random_torus(3000, 6))), {}, context));
+  EXPECT_FALSE(falls);
+  std::vector<std::string> names;
+  for (const Stage& stage : context.finish()) names.push_back(stage.name);
+  EXPECT_THAT(names,
+              ::testing::IsSupersetOf({"delaunay", "flatten", "boundary-complex", "watershed", "inflate", "descent"}));
+}
+
+TEST(MinimumBoundary, can_be_cancelled_in_every_stage) {
+  const PointCloud cloud = *make_cloud(testing::raw_cloud(random_torus(3000, 7)));
+  std::vector<std::string> stages;
+  {
+    Context context(1, [&](double, std::string_view stage) {
+      if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
+    });
+    ASSERT_TRUE(minimum_boundary(cloud, {}, context));
+  }
+  std::size_t cancelled = 0;
+  for (const std::string& last : stages) {
+    std::atomic<bool> cancel{false};
+    Context context(
+        1, [&](double, std::string_view stage) { cancel = cancel || stage == last; }, &cancel);
+    const auto result = minimum_boundary(cloud, {}, context);
+    if (result) continue;
+    EXPECT_EQ(result.error().code, ErrorCode::cancelled);
+    ++cancelled;
+  }
+  // The last stage only copies the result.
+  EXPECT_GE(cancelled + 1, stages.size());
+}
+
+}  // namespace
+}  // namespace surfaced

@@ -1,0 +1,58 @@
+// The guarantee, attacked: whatever the input, as long as it is not flat.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "minimum_boundary/minimum_boundary.hpp"
+#include "support/brute_force_surface.hpp"
+#include "support/nasty_clouds.hpp"
+
+namespace surfaced {
+namespace {
+
+using Parameters = MinimumBoundaryParameters;
+
+/// How many clouds; more by the environment variable SURFACED_NASTY_CLOUDS.
+std::uint64_t cloud_count() {
+  const char* text = std::getenv("SURFACED_NASTY_CLOUDS");  // NOLINT(concurrency-mt-unsafe): read once, nobody sets it
+  return text != nullptr ? std::strtoull(text, nullptr, 10) : 12000;
+}
+
+std::vector<Parameters> variants() {
+  Parameters fast{.variant = Parameters::Variant::fast};
+  Parameters many = fast;
+  many.components = Parameters::Components::many;
+  Parameters bare = fast;
+  bare.lids = Parameters::Lids::none;
+  Parameters inflated = fast;
+  inflated.stop_after = Parameters::StopAfter::inflated;
+  return {fast, Parameters{}, many, bare, inflated};
+}
+
+bool is_flat(ErrorCode code) {
+  return code == ErrorCode::too_few_points || code == ErrorCode::collinear || code == ErrorCode::coplanar;
+}
+
+TEST(MinimumBoundaryProperty, every_cloud_that_is_not_flat_gives_a_closed_embedded_manifold_around_all_points) {
+  const std::uint64_t count = cloud_count();
+  const std::vector<Parameters> all = variants();
+  std::uint64_t flat = 0;
+  for (std::uint64_t number = 0; number < count; ++number) {
+    const testing::NastyCloud nasty = testing::NastyClouds::make(number);
+    const auto cloud = make_cloud(testing::raw_cloud(nasty.points));
+    ASSERT_TRUE(cloud) << nasty.kind << " " << number;
+    Context context;
+    const auto result = minimum_boundary(*cloud, all[number / 11 % all.size()], context);
+    if (!result) {
+      ASSERT_TRUE(is_flat(result.error().code)) << nasty.kind << " " << number << ": " << result.error().detail;
+      ++flat;
+      continue;
+    }
+    ASSERT_EQ(testing::surface_problem(result->mesh), "") << nasty.kind << " " << number;
+    ASSERT_EQ(result->statistics.forced_cells, 0U) << nasty.kind << " " << number;
+  }
+  EXPECT_LT(flat, count / 10);
+}
+
+}  // namespace
+}  // namespace surfaced
