@@ -1,6 +1,7 @@
 // The formats behind io.hpp: one reader and one writer each.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,10 +19,23 @@ Result<TriangleMesh> read_ply_mesh(ByteSource& source, std::string_view name, st
 Result<TriangleMesh> read_gltf_mesh(std::span<const std::byte> bytes, std::string_view name,
                                     std::vector<std::string>& warnings);
 
+/// Unique ids of the attributes of a Draco file, as a glTF names them.
+struct DracoIds {
+  std::optional<std::uint32_t> position;
+  std::optional<std::uint32_t> normal;
+  std::optional<std::uint32_t> color;
+};
+
+Result<RawCloud> read_draco_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits);
+/// Without ids the attributes are told by their types.
+Result<TriangleMesh> read_draco_mesh(std::span<const std::byte> bytes, std::string_view name,
+                                     const std::optional<DracoIds>& ids, std::vector<std::string>& warnings);
+
 /// Triangles with a repeated vertex are left out by every reader, which says so.
 void warn_of_degenerate(std::size_t triangles, std::vector<std::string>& warnings);
 
 Result<Bytes> write_ply_mesh(const TriangleMesh& mesh);
+Result<Bytes> write_draco(const TriangleMesh& mesh, const EncodeOptions& options);
 Result<Bytes> write_gltf(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options);
 
 /// True if float32 holds every coordinate exactly.

@@ -36,6 +36,7 @@ class GltfDocument {
   GltfDocument(std::span<const std::byte> bytes, std::string_view name);
 
   const nlohmann::json& json() const { return json_; }
+  std::string_view name() const { return name_; }
 
   /// Member `key` of an object, or null where it is absent. @throws Refusal if `object` is no object.
   const nlohmann::json& member(const nlohmann::json& object, std::string_view key) const;

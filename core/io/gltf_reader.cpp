@@ -19,9 +19,12 @@ namespace {
 using Json = nlohmann::json;
 
 /// Accessors may be shared and meshes instanced, so a small file can ask for any number of triangles:
-/// more than these per byte are refused.
+/// more than these per byte are refused; a small file may ask for as many as one of 64 KiB.
 constexpr std::uint64_t kVerticesPerByte = 2;
 constexpr std::uint64_t kTrianglesPerByte = 4;
+constexpr std::uint64_t kSmallFile = std::uint64_t{1} << 16;
+
+constexpr std::string_view kDracoExtension = "KHR_draco_mesh_compression";
 
 enum Component { kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126 };
 enum Mode { kTriangles = 4, kStrip = 5, kFan = 6 };
@@ -124,8 +127,9 @@ class SceneReader {
  public:
   SceneReader(const GltfDocument& document, std::size_t file_size, std::vector<std::string>& warnings)
       : document_(document),
-        most_vertices_(std::min<std::uint64_t>(kVerticesPerByte * file_size, VertexIndex::kNone)),
-        most_triangles_(kTrianglesPerByte * file_size),
+        most_vertices_(std::min<std::uint64_t>(kVerticesPerByte * std::max<std::uint64_t>(file_size, kSmallFile),
+                                               VertexIndex::kNone)),
+        most_triangles_(kTrianglesPerByte * std::max<std::uint64_t>(file_size, kSmallFile)),
         warnings_(warnings) {}
 
   TriangleMesh run() {
@@ -164,7 +168,8 @@ class SceneReader {
     if (!required.is_array()) return;
     for (const Json& extension : required) {
       const std::string name = extension.is_string() ? extension.get<std::string>() : "?";
-      const bool harmless = name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_");
+      const bool harmless =
+          name == kDracoExtension || name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_");
       if (!harmless) document_.unsupported("it requires the extension " + in_quotes(name));
     }
   }
@@ -213,11 +218,39 @@ class SceneReader {
       return;
     }
     const Json& extensions = document_.member(primitive, "extensions");
-    if (extensions.is_object() && extensions.contains("KHR_draco_mesh_compression")) {
-      document_.unsupported("it uses the extension KHR_draco_mesh_compression");
+    if (extensions.is_object() && extensions.contains(kDracoExtension)) {
+      add_draco(document_.member(extensions, kDracoExtension), transform);
+      return;
     }
     const VertexSpan vertices = add_vertices(document_.member(primitive, "attributes"), transform);
     add_triangles(document_.member(primitive, "indices"), mode, vertices, transform.determinant() < 0);
+  }
+
+  /// KHR_draco_mesh_compression: the primitive's triangles and attributes lie in a Draco file.
+  void add_draco(const Json& extension, const Affine& transform) {
+    const std::span<const std::byte> bytes =
+        document_.buffer_view(document_.whole(document_.member(extension, "bufferView"), "bufferView"));
+    const Json& attributes = document_.member(extension, "attributes");
+    const auto id = [&](std::string_view name) -> std::optional<std::uint32_t> {
+      const Json& value = document_.member(attributes, name);
+      if (value.is_null()) return std::nullopt;
+      return static_cast<std::uint32_t>(document_.whole(value, name));
+    };
+    const DracoIds ids{id("POSITION"), id("NORMAL"), id("COLOR_0")};
+    Result<TriangleMesh> part = read_draco_mesh(bytes, document_.name(), ids, warnings_);
+    if (!part) throw Refusal{std::move(part).error()};
+    if (part->positions.size() > most_vertices_ - mesh_.positions.size()) too_many("vertices", most_vertices_);
+    if (part->triangles.size() > most_triangles_ - mesh_.triangles.size()) too_many("triangles", most_triangles_);
+    const std::size_t first = mesh_.positions.size();
+    for (const Point3& p : part->positions) mesh_.positions.push_back(transform(p));
+    for (const Normal3& n : part->normals) push_normal(n, transform);
+    mesh_.colors.insert(mesh_.colors.end(), part->colors.begin(), part->colors.end());
+    normals_missing_ |= part->normals.empty();
+    colors_missing_ |= part->colors.empty();
+    for (Triangle t : part->triangles) {
+      if (transform.determinant() < 0) std::swap(t[1], t[2]);
+      mesh_.triangles.push_back({VertexIndex(first + t[0]), VertexIndex(first + t[1]), VertexIndex(first + t[2])});
+    }
   }
 
   struct VertexSpan {
@@ -264,18 +297,23 @@ class SceneReader {
     if (normals.component_type != kFloat || normals.components != 3)
       document_.unsupported("NORMAL is not VEC3 of float");
     if (normals.count != count) document_.malformed("NORMAL and POSITION differ in length");
-    const Affine turn = transform.cofactors();
     for (std::size_t i = 0; i < count; ++i) {
-      const Point3 n{component_at(normals, i, 0), component_at(normals, i, 1), component_at(normals, i, 2)};
-      Point3 turned = n;
-      if (!transform.only_shifts()) {
-        turned = turn.turn(n);
-        const double length = norm(turned);
-        if (length > 0) turned = {turned[0] / length, turned[1] / length, turned[2] / length};
-      }
-      mesh_.normals.push_back(
-          {static_cast<float>(turned[0]), static_cast<float>(turned[1]), static_cast<float>(turned[2])});
+      push_normal({load_little<float>(normals.at(i)), load_little<float>(normals.at(i) + 4),
+                   load_little<float>(normals.at(i) + 8)},
+                  transform);
     }
+  }
+
+  void push_normal(const Normal3& normal, const Affine& transform) {
+    if (transform.only_shifts()) {
+      mesh_.normals.push_back(normal);
+      return;
+    }
+    const Point3 turned = transform.cofactors().turn({normal[0], normal[1], normal[2]});
+    const double length = norm(turned);
+    const double scale = length > 0 ? 1 / length : 1;
+    mesh_.normals.push_back({static_cast<float>(scale * turned[0]), static_cast<float>(scale * turned[1]),
+                             static_cast<float>(scale * turned[2])});
   }
 
   void add_colors(std::optional<std::uint64_t> accessor, std::size_t count) {

@@ -18,6 +18,7 @@ using io::ByteSource;
 
 /// Enough of a file to tell its format and to show what it is instead.
 constexpr std::size_t kSniffed = 16;
+constexpr std::string_view kDracoMagic = "DRACO";
 
 constexpr auto kExtensions = std::to_array<std::pair<std::string_view, MeshFormat>>({
     {".glb", MeshFormat::glb},
@@ -72,6 +73,7 @@ Result<RawCloud> parse(ByteSource& source, std::string_view name, const ReadLimi
   if (source.failure()) return *source.failure();
   if (start.empty()) return Error{ErrorCode::empty_input, std::string(name) + " has 0 bytes"};
   if (io::looks_like_ply(start)) return io::read_ply_cloud(source, name, limits);
+  if (starts_with(start, kDracoMagic)) return io::read_draco_cloud(source.rest(), name, limits);
   return unknown_format(start, name, "a PLY begins with 'ply', a Draco file with 'DRACO'");
 }
 
@@ -91,6 +93,7 @@ Result<TriangleMesh> parse_mesh(ByteSource& source, std::string_view name, std::
   std::vector<std::string> unheard;
   std::vector<std::string>& heard = warnings == nullptr ? unheard : *warnings;
   if (io::looks_like_ply(start)) return io::read_ply_mesh(source, name, heard);
+  if (starts_with(start, kDracoMagic)) return io::read_draco_mesh(source.rest(), name, {}, heard);
   if (looks_like_gltf(start)) return io::read_gltf_mesh(source.rest(), name, heard);
   return unknown_format(start, name,
                         "a PLY begins with 'ply', a Draco file with 'DRACO', a GLB with 'glTF', a glTF with '{'");

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "io/scalars.hpp"
@@ -21,8 +20,6 @@ constexpr auto kColors = std::to_array<std::pair<Names, std::string_view>>({
     {{"diffuse_red", "diffuse_green", "diffuse_blue"}, "diffuse_alpha"},
     {{"r", "g", "b"}, "a"},
 });
-
-constexpr float kByteMax = 255;
 
 Slot after(Slot slot, std::size_t steps) { return static_cast<Slot>(static_cast<std::size_t>(slot) + steps); }
 
@@ -171,42 +168,19 @@ void VertexSink::push_rows(const std::byte* rows, std::size_t stride, std::size_
   }
 }
 
-void VertexSink::scale_colors() {
-  float largest = 0;
-  bool floating = false;
-  for (const Slot slot : {Slot::red, Slot::green, Slot::blue, Slot::alpha}) {
+bool VertexSink::floating_colors() const {
+  for (const Slot slot : {Slot::red, Slot::green, Slot::blue}) {
     const auto property = layout_.property(slot);
-    if (property) floating |= types_[*property] == Scalar::float32 || types_[*property] == Scalar::float64;
+    if (property && (types_[*property] == Scalar::float32 || types_[*property] == Scalar::float64)) return true;
   }
-  for (const WideColor& color : wide_) {
-    for (const float channel : color) {
-      if (!std::isfinite(channel)) {
-        cloud_.warnings.push_back("colours dropped: that of point " + std::to_string(&color - wide_.data()) +
-                                  " is not finite");
-        return;
-      }
-      largest = std::max(largest, channel);
-    }
-  }
-  constexpr float kShortMax = 65535;
-  constexpr auto kIntMax = static_cast<float>(std::numeric_limits<std::uint32_t>::max());
-  const float full = floating && largest <= 1 ? 1
-                     : largest <= kByteMax    ? kByteMax
-                     : largest <= kShortMax   ? kShortMax
-                                              : std::max(kIntMax, largest);
-  cloud_.colors.reserve(wide_.size());
-  for (const WideColor& color : wide_) {
-    Color4 bytes{0, 0, 0, 255};
-    for (std::size_t c = 0; c < (layout_.has_alpha() ? 4U : 3U); ++c) {
-      bytes[c] = to_byte(static_cast<double>(color[c]) / static_cast<double>(full) * 255);
-    }
-    cloud_.colors.push_back(bytes);
-  }
+  return false;
 }
 
 RawCloud VertexSink::finish() {
   cloud_.warnings = layout_.warnings();
-  if (layout_.has_colors() && !layout_.byte_colors()) scale_colors();
+  if (layout_.has_colors() && !layout_.byte_colors()) {
+    cloud_.colors = to_bytes(wide_, floating_colors(), layout_.has_alpha(), cloud_.warnings);
+  }
   return std::move(cloud_);
 }
 

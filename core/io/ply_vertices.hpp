@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "io/colors.hpp"
 #include "io/io.hpp"
 #include "io/ply_header.hpp"
 
@@ -67,8 +68,7 @@ class VertexSink {
   RawCloud finish();
 
  private:
-  using WideColor = std::array<float, 4>;
-  void scale_colors();
+  bool floating_colors() const;
 
   VertexLayout layout_;
   std::vector<Scalar> types_;

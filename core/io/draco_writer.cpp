@@ -1,0 +1,78 @@
+#include <draco/compression/encode.h>
+#include <draco/mesh/mesh.h>
+
+#include <array>
+#include <cstring>
+#include <memory>
+
+#include "io/formats.hpp"
+
+namespace surfaced::io {
+namespace {
+
+using draco::GeometryAttribute;
+
+/// Least and most effort of Draco; in between it decides by speed which predictions it tries.
+constexpr int kSpeed = 3;
+constexpr int kLeastBits = 8;
+constexpr int kMostBits = 30;
+
+/// Adds an attribute with a value per point, in the points' order.
+template <class T, std::size_t N>
+void add_attribute(draco::Mesh& mesh, GeometryAttribute::Type type, draco::DataType data_type, bool normalized,
+                   const std::vector<std::array<T, N>>& values) {
+  GeometryAttribute attribute;
+  attribute.Init(type, nullptr, static_cast<std::uint8_t>(N), data_type, normalized, sizeof(values[0]), 0);
+  const int id = mesh.AddAttribute(attribute, true, static_cast<std::uint32_t>(values.size()));
+  mesh.attribute(id)->buffer()->Write(0, values.data(), values.size() * sizeof(values[0]));
+}
+
+void add_positions(draco::Mesh& target, const TriangleMesh& mesh, bool narrow) {
+  if (!narrow) return add_attribute(target, GeometryAttribute::POSITION, draco::DT_FLOAT64, false, mesh.positions);
+  std::vector<std::array<float, 3>> positions;
+  positions.reserve(mesh.positions.size());
+  for (const Point3& p : mesh.positions) {
+    positions.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+  }
+  add_attribute(target, GeometryAttribute::POSITION, draco::DT_FLOAT32, false, positions);
+}
+
+}  // namespace
+
+Result<Bytes> write_draco(const TriangleMesh& mesh, const EncodeOptions& options) {
+  if (mesh.triangles.empty())
+    return Error{ErrorCode::method_failed, "the mesh has no triangles; Draco cannot hold that"};
+  const std::optional<int> bits = options.quantization_bits;
+  if (bits && (*bits < kLeastBits || *bits > kMostBits)) {
+    return Error{ErrorCode::invalid_parameter, "quantization is " + std::to_string(*bits) + " bits; " +
+                                                   std::to_string(kLeastBits) + " to " + std::to_string(kMostBits) +
+                                                   " are possible"};
+  }
+  draco::Mesh target;
+  target.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
+  // Draco quantises float32 only; without quantisation doubles are kept as they are.
+  add_positions(target, mesh, bits.has_value() || fits_float32(mesh.positions));
+  if (!mesh.normals.empty()) {
+    add_attribute(target, GeometryAttribute::NORMAL, draco::DT_FLOAT32, false, mesh.normals);
+  }
+  if (!mesh.colors.empty()) add_attribute(target, GeometryAttribute::COLOR, draco::DT_UINT8, true, mesh.colors);
+  target.SetNumFaces(mesh.triangles.size());
+  for (std::uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    const Triangle& t = mesh.triangles[f];
+    target.SetFace(draco::FaceIndex(f),
+                   {draco::PointIndex(t[0].value), draco::PointIndex(t[1].value), draco::PointIndex(t[2].value)});
+  }
+  // The other encoding, edgebreaker, reorders vertices and splits those that are not manifold.
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
+  encoder.SetSpeedOptions(kSpeed, kSpeed);
+  encoder.options().SetGlobalBool("compress_connectivity", true);
+  if (bits) encoder.SetAttributeQuantization(GeometryAttribute::POSITION, *bits);
+  draco::EncoderBuffer buffer;
+  const draco::Status status = encoder.EncodeMeshToBuffer(target, &buffer);
+  if (!status.ok()) return Error{ErrorCode::internal_error, "Draco refused the mesh: " + status.error_msg_string()};
+  const auto* begin = reinterpret_cast<const std::byte*>(buffer.data());
+  return Bytes(begin, begin + buffer.size());
+}
+
+}  // namespace surfaced::io
