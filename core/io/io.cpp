@@ -163,16 +163,9 @@ Result<MeshFormat> mesh_format_of(const std::filesystem::path& path) {
 Result<std::vector<std::byte>> encode_mesh(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options) {
   return guarded<std::vector<std::byte>>("the mesh", [&]() -> Result<std::vector<std::byte>> {
     if (Status status = check_mesh(mesh); !status) return std::move(status).error();
-    switch (format) {
-      case MeshFormat::glb:
-      case MeshFormat::gltf:
-        return io::write_gltf(mesh, format, options);
-      case MeshFormat::ply:
-        return io::write_ply_mesh(mesh);
-      case MeshFormat::drc:
-        break;
-    }
-    return Error{ErrorCode::unsupported_feature, "Draco is not written yet"};
+    if (format == MeshFormat::ply) return io::write_ply_mesh(mesh);
+    if (format == MeshFormat::drc) return io::write_draco(mesh, options);
+    return io::write_gltf(mesh, format, options);
   });
 }
 
