@@ -87,8 +87,9 @@ Components components_of(const TriangleMesh& mesh);
 /// divergence theorem about the first vertex, so that a far-off origin costs no digits.
 double signed_volume(const TriangleMesh& mesh);
 
-/// Turns every closed oriented component so that its own volume is positive. Components that are
-/// open or not oriented stay as they are.
+/// Turns every oriented component as a whole so that it faces outwards: a closed one by its volume, an open
+/// one by the normals of its vertices or, without normals, away from its centre (a convention, not a
+/// fact, for an open sheet). Components that are not oriented stay as they are.
 void orient_outwards(TriangleMesh& mesh);
 
 /// Turns the triangles so that the least vertex of each comes first and sorts them: the same set of

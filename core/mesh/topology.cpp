@@ -120,6 +120,49 @@ double triangle_volume(const TriangleMesh& mesh, const Triangle& t, const Point3
   return dot(a, cross(b, c)) / 6;
 }
 
+/// A component, and what tells which of its sides is the outer one.
+struct Part {
+  Point3 centre{};
+  std::size_t triangles = 0;
+  double volume = 0;
+  double agreement = 0;
+  bool closed = true;
+  bool oriented = true;
+
+  bool faces_inwards() const {
+    if (!oriented) return false;
+    return closed || agreement == 0 ? volume < 0 : agreement < 0;
+  }
+};
+
+/// The components with the mean of their triangles' corners.
+std::vector<Part> centred_parts(const TriangleMesh& mesh, const Components& components) {
+  std::vector<Part> parts(components.count);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Part& part = parts[components.of_triangle[t]];
+    ++part.triangles;
+    for (const VertexIndex v : mesh.triangles[t]) {
+      for (std::size_t axis = 0; axis < 3; ++axis) part.centre[axis] += mesh.positions[v][axis];
+    }
+  }
+  for (Part& part : parts) {
+    for (double& x : part.centre) x /= 3 * static_cast<double>(part.triangles);
+  }
+  return parts;
+}
+
+/// Positive if the triangle faces where the normals of its vertices point; 0 without normals.
+double agreement_with_normals(const TriangleMesh& mesh, const Triangle& t) {
+  if (mesh.normals.empty()) return 0;
+  const Point3 facing = cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
+  double sum = 0;
+  for (const VertexIndex v : t) {
+    const Normal3& n = mesh.normals[v];
+    sum += dot(facing, {n[0], n[1], n[2]});
+  }
+  return sum;
+}
+
 }  // namespace
 
 Topology topology_of(const TriangleMesh& mesh) {
@@ -164,22 +207,20 @@ double signed_volume(const TriangleMesh& mesh) {
 
 void orient_outwards(TriangleMesh& mesh) {
   const Components components = components_of(mesh);
+  std::vector<Part> parts = centred_parts(mesh, components);
   const HalfEdges half_edges(mesh.triangles, mesh.positions.size());
-  struct Part {
-    double volume = 0;
-    bool turnable = true;
-    VertexIndex origin;
-  };
-  std::vector<Part> parts(components.count);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     Part& part = parts[components.of_triangle[t]];
-    if (!part.origin.valid()) part.origin = mesh.triangles[t][0];
-    part.volume += triangle_volume(mesh, mesh.triangles[t], mesh.positions[part.origin]);
-    for (std::size_t h = 3 * t; h < 3 * t + 3; ++h) part.turnable &= half_edges.mate(HalfEdgeIndex(h)).valid();
+    part.volume += triangle_volume(mesh, mesh.triangles[t], part.centre);
+    part.agreement += agreement_with_normals(mesh, mesh.triangles[t]);
+    for (std::size_t h = 3 * t; h < 3 * t + 3; ++h) {
+      const bool boundary = half_edges.uses(half_edges.edge_of(HalfEdgeIndex(h))) == 1;
+      part.closed &= !boundary;
+      part.oriented &= boundary || half_edges.mate(HalfEdgeIndex(h)).valid();
+    }
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Part& part = parts[components.of_triangle[t]];
-    if (part.turnable && part.volume < 0) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+    if (parts[components.of_triangle[t]].faces_inwards()) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
   }
 }
 

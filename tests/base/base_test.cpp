@@ -34,6 +34,16 @@ TEST(Result, holds_a_value_or_an_error) {
   EXPECT_EQ(error.error().code, ErrorCode::empty_input);
 }
 
+[[gnu::noinline]] Point3 rounded_to_float32(const Point3& p) {
+  Point3 r;
+  for (std::size_t axis = 0; axis < 3; ++axis) r[axis] = static_cast<double>(static_cast<float>(p[axis]));
+  return r;
+}
+
+TEST(RoundingToFloat32, happens_in_every_coordinate) {
+  for (const double x : rounded_to_float32({0.1, 0.1, 0.1})) EXPECT_EQ(x, 0x1.99999ap-4);
+}
+
 TEST(Index, is_invalid_until_set) {
   EXPECT_FALSE(VertexIndex().valid());
   EXPECT_TRUE(VertexIndex(0).valid());
