@@ -25,4 +25,22 @@ void parallel_ranges(unsigned threads, std::size_t count, Body&& body) {
   });
 }
 
+/// Calls task(0) .. task(count-1), several at a time on at most `threads` threads.
+template <class Task>
+void parallel_tasks(unsigned threads, std::size_t count, Task&& task) {
+  if (threads <= 1) {
+    for (std::size_t k = 0; k < count; ++k) task(k);
+    return;
+  }
+  tbb::task_arena arena(static_cast<int>(threads));
+  arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, count, 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          for (std::size_t k = range.begin(); k < range.end(); ++k) task(k);
+        },
+        tbb::simple_partitioner());
+  });
+}
+
 }  // namespace surfaced

@@ -43,8 +43,8 @@ class Descender {
   Descender(Labelling& labels, const Criterion& criterion)
       : labels_(labels), complex_(labels.complex()), criterion_(criterion) {}
 
-  Result<Descent> run(Context& context) {
-    collect(context.threads());
+  Result<Descent> run(const Context& context, unsigned threads) {
+    collect(threads);
     for (std::size_t steps = 1; !queue_.empty(); ++steps) {
       if (steps % kCancelStride == 0 && context.cancelled()) {
         return Error{ErrorCode::cancelled, "cancelled in the final descent"};
@@ -132,8 +132,8 @@ bool flip_is_legal(const Labelling& labels, CellIndex c) {
   return !edge_touches(labels, c, i, j, other);
 }
 
-Result<Descent> descend(Labelling& labels, const Criterion& criterion, Context& context) {
-  return Descender(labels, criterion).run(context);
+Result<Descent> descend(Labelling& labels, const Criterion& criterion, const Context& context, unsigned threads) {
+  return Descender(labels, criterion).run(context, threads);
 }
 
 }  // namespace surfaced::boundary

@@ -16,7 +16,7 @@ struct Descent {
 /// (interior vertices, Σλ) falls lexicographically with every move, so it ends. Topology does not change.
 /// Precondition: every vertex is good; it stays so.
 /// @return  cancelled.
-Result<Descent> descend(Labelling& labels, const Criterion& criterion, Context& context);
+Result<Descent> descend(Labelling& labels, const Criterion& criterion, const Context& context, unsigned threads);
 
 /// The change of Σλ if the cell changed its label.
 std::int64_t energy_change(const Labelling& labels, const Criterion& criterion, CellIndex c);

@@ -17,7 +17,7 @@ class Inflater {
         criterion_(criterion),
         states_(states_of(labels, threads)) {}
 
-  Result<Inflated> run(Context& context) {
+  Result<Inflated> run(const Context& context) {
     for (std::size_t v = 0; v < states_.size(); ++v) {
       if (!good(states_[v])) offer_star(VertexIndex(v));
     }
@@ -116,8 +116,9 @@ class Inflater {
 
 }  // namespace
 
-Result<Inflated> inflate(Labelling& labels, const FacetSet& boundary, const Criterion& criterion, Context& context) {
-  return Inflater(labels, boundary, criterion, context.threads()).run(context);
+Result<Inflated> inflate(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
+                         const Context& context, unsigned threads) {
+  return Inflater(labels, boundary, criterion, threads).run(context);
 }
 
 }  // namespace surfaced::boundary

@@ -22,6 +22,7 @@ struct Inflated {
 /// Afterwards every vertex is good (Theorem B), whatever the labels were.
 /// @return  cancelled.
 /// @cost    O(V) to find the bad vertices, then in proportion to the cells taken in.
-Result<Inflated> inflate(Labelling& labels, const FacetSet& boundary, const Criterion& criterion, Context& context);
+Result<Inflated> inflate(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
+                         const Context& context, unsigned threads);
 
 }  // namespace surfaced::boundary

@@ -30,6 +30,15 @@ struct MinimumBoundaryParameters {
   StopAfter stop_after = StopAfter::none;
 };
 
+/// A labelling that was brought to a manifold, and what came of it.
+struct MinimumBoundaryCandidate {
+  std::string name;
+  std::size_t components = 0;
+  std::int64_t genus = 0;
+  std::size_t interior_vertices = 0;
+  double sum_lambda = 0;
+};
+
 struct MinimumBoundaryStatistics {
   std::size_t cells = 0;
   std::size_t boundary_complex_facets = 0;
@@ -39,6 +48,13 @@ struct MinimumBoundaryStatistics {
   std::size_t forced_cells = 0;
   std::size_t exposed_vertices = 0;
   std::size_t flipped_edges = 0;
+  /// variant=best: what was tried, and which one was taken as the start of fusing.
+  std::vector<MinimumBoundaryCandidate> candidates;
+  std::string chosen_candidate;
+  /// Regions taken from the other candidates.
+  std::size_t fused_regions = 0;
+  /// Handles removed by surgery.
+  std::size_t removed_handles = 0;
   /// The paper's "int": points inside the surface.
   std::size_t interior_vertices = 0;
   std::size_t components = 0;

@@ -1,10 +1,12 @@
 #include "minimum_boundary/watershed.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <unordered_set>
 
 #include "base/parallel.hpp"
 #include "base/union_find.hpp"
+#include "minimum_boundary/ball_ratio.hpp"
 
 namespace surfaced::boundary {
 namespace {
@@ -15,58 +17,32 @@ constexpr std::size_t kCancelStride = 1U << 16U;
 constexpr std::uint32_t kFewestItems = 4;
 /// Share of a cluster's BC_0 facets beyond which the other cluster lies on the other side.
 constexpr double kGuardShare = 0.3;
-constexpr std::uint32_t kRatioSteps = 1U << 16U;
 
-/// Ratio in steps, so that it can be sorted by counting.
-std::uint32_t step_of(float ratio) { return static_cast<std::uint32_t>(ratio * 0.5F * (kRatioSteps - 1)); }
+constexpr std::size_t kSteps = 1U << 16U;
 
 /// Facets outside BC_0 at or above the lowest level, descending by ratio, ties by side.
 struct DescendingFacets {
   std::vector<SideIndex> sides;
   /// Number of facets at or above each level.
-  std::array<std::size_t, Watershed::kLevels.size()> ends{};
+  std::vector<std::size_t> ends;
 };
 
-/// Ratio step of every facet at its lesser side; evidence flags of the BC_0 facets on the way.
-struct Rated {
-  std::vector<std::uint16_t> step;
-  /// Bit i: side i of the cell is a BC_0 facet that counts as evidence.
-  std::vector<std::uint8_t> evidence;
-};
-
-Rated rate(const DelaunayComplex& complex, const FacetSet& walls, const BallRatio& ratio, unsigned threads) {
-  Rated rated{std::vector<std::uint16_t>(4 * complex.cells(), 0), std::vector<std::uint8_t>(complex.cells(), 0)};
-  parallel_ranges(threads, complex.cells(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
-        const bool wall = walls.contains(SideIndex(s));
-        if (!wall && s > complex.mates[s]) continue;
-        const float value = ratio.of(SideIndex(s));
-        if (!wall) rated.step[s] = static_cast<std::uint16_t>(step_of(value));
-        if (wall && value < kEvidenceBelow) rated.evidence[c] |= static_cast<std::uint8_t>(1U << (s % 4));
-      }
-    }
-  });
-  return rated;
-}
-
-DescendingFacets descending(const DelaunayComplex& complex, const FacetSet& walls, const Rated& rated) {
-  const std::uint32_t lowest = step_of(Watershed::kLevels.back());
+DescendingFacets descending(const DelaunayComplex& complex, const FacetSet& boundary, const RatedFacets& rated,
+                            std::span<const float> levels) {
+  const std::uint32_t lowest = RatedFacets::step_of(levels.back());
   const auto listed = [&](std::size_t s) {
-    return s < complex.mates[s] && rated.step[s] >= lowest && !walls.contains(SideIndex(s));
+    return rated.steps[s] >= lowest && s < complex.mates[s] && !boundary.contains(SideIndex(s));
   };
-  std::vector<std::size_t> starts(kRatioSteps + 1, 0);
-  for (std::size_t s = 0; s < rated.step.size(); ++s) {
-    if (listed(s)) ++starts[kRatioSteps - rated.step[s]];
+  std::vector<std::size_t> starts(kSteps + 1, 0);
+  for (std::size_t s = 0; s < rated.steps.size(); ++s) {
+    if (listed(s)) ++starts[kSteps - rated.steps[s]];
   }
-  for (std::size_t b = 0; b < kRatioSteps; ++b) starts[b + 1] += starts[b];
+  for (std::size_t b = 0; b < kSteps; ++b) starts[b + 1] += starts[b];
   DescendingFacets facets;
-  facets.sides.resize(starts[kRatioSteps]);
-  for (std::size_t l = 0; l < facets.ends.size(); ++l) {
-    facets.ends[l] = starts[kRatioSteps - step_of(Watershed::kLevels[l])];
-  }
-  for (std::size_t s = 0; s < rated.step.size(); ++s) {
-    if (listed(s)) facets.sides[starts[kRatioSteps - 1 - rated.step[s]]++] = SideIndex(s);
+  facets.sides.resize(starts[kSteps]);
+  for (const float level : levels) facets.ends.push_back(starts[kSteps - RatedFacets::step_of(level)]);
+  for (std::size_t s = 0; s < rated.steps.size(); ++s) {
+    if (listed(s)) facets.sides[starts[kSteps - 1 - rated.steps[s]]++] = SideIndex(s);
   }
   return facets;
 }
@@ -111,8 +87,6 @@ class Merger {
     return clusters;
   }
 
-  std::size_t guarded() const { return guarded_; }
-
  private:
   static std::uint64_t pair(std::uint32_t a, std::uint32_t b) {
     return (std::uint64_t{std::min(a, b)} << 32U) | std::max(a, b);
@@ -150,7 +124,6 @@ class Merger {
     apart_.insert(pair(a, b));
     partners(a).push_back(b);
     partners(b).push_back(a);
-    ++guarded_;
   }
 
   void merge(std::uint32_t a, std::uint32_t b) {
@@ -196,30 +169,51 @@ class Merger {
   /// Few pairs are ever kept apart; most lookups stop at partners_of_.
   std::unordered_set<std::uint64_t> apart_;
   std::uint32_t outside_ = 0;
-  std::size_t guarded_ = 0;
 };
 
 }  // namespace
 
-Result<Watershed> guarded_watershed(const DelaunayComplex& complex, const BoundaryComplex& boundary,
-                                    const BallRatio& ratio, Context& context) {
-  const Rated rated = rate(complex, boundary.facets, ratio, context.threads());
-  const DescendingFacets facets = descending(complex, boundary.facets, rated);
+std::vector<std::uint8_t> inside_of(const Clusters& clusters) {
+  std::vector<std::uint8_t> in(clusters.cluster.size());
+  for (std::size_t c = 0; c < in.size(); ++c) in[c] = clusters.cluster[c] != clusters.outside ? 1 : 0;
+  return in;
+}
+
+RatedFacets rate_facets(const DelaunayComplex& complex, const FacetSet& boundary, unsigned threads) {
+  const BallRatio ratio(complex, threads);
+  RatedFacets rated{std::vector<std::uint16_t>(4 * complex.cells(), 0), std::vector<std::uint8_t>(complex.cells(), 0)};
+  parallel_ranges(threads, complex.cells(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
+        const bool wall = boundary.contains(SideIndex(s));
+        if (!wall && s > complex.mates[s]) continue;
+        const float value = ratio.of(SideIndex(s));
+        rated.steps[s] = static_cast<std::uint16_t>(RatedFacets::step_of(value));
+        if (wall && value < RatedFacets::kEvidenceBelow) rated.evidence[c] |= static_cast<std::uint8_t>(1U << (s % 4));
+      }
+    }
+  });
+  return rated;
+}
+
+Result<std::vector<Clusters>> guarded_watershed(const DelaunayComplex& complex, const FacetSet& boundary,
+                                                const RatedFacets& rated, std::span<const float> levels,
+                                                Context& context) {
+  const DescendingFacets facets = descending(complex, boundary, rated, levels);
   Merger merger(complex, rated.evidence);
-  Watershed watershed;
+  std::vector<Clusters> at_levels;
   std::size_t next = 0;
-  for (std::size_t level = 0; level < facets.ends.size(); ++level) {
-    for (; next < facets.ends[level]; ++next) {
+  for (const std::size_t end : facets.ends) {
+    for (; next < end; ++next) {
       if (next % kCancelStride == 0) {
         if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled in the watershed"};
         context.report(static_cast<double>(next) / static_cast<double>(facets.sides.size()));
       }
       merger.take(facets.sides[next]);
     }
-    watershed.at_level[level] = merger.snapshot();
+    at_levels.push_back(merger.snapshot());
   }
-  watershed.guarded = merger.guarded();
-  return watershed;
+  return at_levels;
 }
 
 }  // namespace surfaced::boundary

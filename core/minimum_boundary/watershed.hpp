@@ -1,12 +1,11 @@
 // Lids by a guarded watershed over the balls of the cells: which cells lie on the same side of the surface.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "delaunay/delaunay.hpp"
-#include "minimum_boundary/ball_ratio.hpp"
 #include "minimum_boundary/boundary_complex.hpp"
 
 namespace surfaced::boundary {
@@ -18,23 +17,42 @@ struct Clusters {
   std::uint32_t outside = 0;
 };
 
-/// The clusters as they are once all facets above each level have been seen.
-struct Watershed {
-  static constexpr std::array<float, 3> kLevels{1.7F, 1.4F, 1.0F};
-  std::array<Clusters, 3> at_level;
-  /// Pairs of clusters that the evidence keeps apart.
-  std::size_t guarded = 0;
+/// Per cell 1 unless it is in the cluster of the infinite cells.
+std::vector<std::uint8_t> inside_of(const Clusters& clusters);
+
+/// Evidence and ball ratios of all facets, in steps of 2/65535.
+struct RatedFacets {
+  /// Ratio of a facet at the side of its lesser cell; of BC_0 facets at both sides.
+  std::vector<std::uint16_t> steps;
+  /// Bit i: side i of the cell is a BC_0 facet whose balls overlap little, which is evidence that the surface
+  /// passes between its two cells.
+  std::vector<std::uint8_t> evidence;
+
+  static constexpr float kStepsPerUnit = 65535.0F / 2;
+  static constexpr std::uint32_t step_of(float ratio) { return static_cast<std::uint32_t>(ratio * kStepsPerUnit); }
+  /// How much a facet with evidence says: the less its balls overlap, the more.
+  std::int64_t weight(SideIndex s) const { return std::int64_t{step_of(kWeightlessRatio)} - steps[s]; }
+
+  /// A facet of BC_0 at or above the first is no evidence; at the second its weight would be 0.
+  static constexpr float kEvidenceBelow = 1.1F;
+  static constexpr float kWeightlessRatio = 1.11F;
 };
 
-/// A facet of BC_0 whose balls overlap little is evidence that the surface passes between its two cells:
-/// above this ratio it is none.
-inline constexpr float kEvidenceBelow = 1.1F;
-inline constexpr float kEvidenceUnit = 1.11F;
+/// @cost  O(cells).
+RatedFacets rate_facets(const DelaunayComplex& complex, const FacetSet& boundary, unsigned threads);
+
+/// Levels of the ball ratio at which the clusters are looked at.
+inline constexpr float kCautiousLevel = 1.7F;
+inline constexpr float kColouringLevel = 1.4F;
+inline constexpr float kThoroughLevel = 1.0F;
 
 /// Merges the cells across all facets that are not of BC_0, highest ball ratio first, except where enough of
 /// the BC_0 facets on the smaller cluster's border say that the other cluster lies on the other side.
-/// @return  cancelled.
-Result<Watershed> guarded_watershed(const DelaunayComplex& complex, const BoundaryComplex& boundary,
-                                    const BallRatio& ratio, Context& context);
+/// @param levels  descending.
+/// @return  for each level the clusters as they are once all facets above it have been seen; cancelled.
+/// @cost    O(cells α(cells)) and the evidence of the smaller cluster at every meeting of two.
+Result<std::vector<Clusters>> guarded_watershed(const DelaunayComplex& complex, const FacetSet& boundary,
+                                                const RatedFacets& rated, std::span<const float> levels,
+                                                Context& context);
 
 }  // namespace surfaced::boundary

@@ -16,6 +16,19 @@ Parameters parameters_of(const Json& json) {
   return parameters;
 }
 
+Json candidates_json(const MinimumBoundaryStatistics& s) {
+  Json list = Json::array();
+  for (const MinimumBoundaryCandidate& c : s.candidates) {
+    list.push_back(Json{{"name", c.name},
+                        {"chosen", c.name == s.chosen_candidate},
+                        {"components", c.components},
+                        {"genus", c.genus},
+                        {"interior_vertices", c.interior_vertices},
+                        {"sum_of_longest_edges", c.sum_lambda}});
+  }
+  return list;
+}
+
 Json statistics_json(const MinimumBoundaryStatistics& s) {
   return Json{{"delaunay_cells", s.cells},
               {"boundary_complex_facets", s.boundary_complex_facets},
@@ -23,6 +36,9 @@ Json statistics_json(const MinimumBoundaryStatistics& s) {
               {"inflated_cells", s.inflated_cells},
               {"exposed_vertices", s.exposed_vertices},
               {"flipped_edges", s.flipped_edges},
+              {"candidates", candidates_json(s)},
+              {"fused_regions", s.fused_regions},
+              {"handles_removed", s.removed_handles},
               {"interior_vertices", s.interior_vertices},
               {"components", s.components},
               {"genus", s.genus},

@@ -197,7 +197,7 @@ TEST(Inflating, makes_every_vertex_good_from_any_labels_and_only_takes_cells_in)
     const auto boundary = boundary_complex(f.complex, criterion, true, context);
     Labelling labels = random_labels(f.complex, random);
     const Labelling before = labels;
-    const auto inflated = inflate(labels, boundary->facets, criterion, context);
+    const auto inflated = inflate(labels, boundary->facets, criterion, context, 1);
     ASSERT_TRUE(inflated);
     EXPECT_EQ(inflated->forced, 0U);
     for (std::size_t v = 0; v < f.complex.points(); ++v) EXPECT_TRUE(good(labels.state(VertexIndex(v))));
@@ -215,9 +215,9 @@ TEST(Descent, keeps_topology_and_lowers_interior_vertices_and_energy_in_this_ord
     Context context;
     const auto boundary = boundary_complex(f.complex, criterion, true, context);
     Labelling labels = random_labels(f.complex, random);
-    ASSERT_TRUE(inflate(labels, boundary->facets, criterion, context));
+    ASSERT_TRUE(inflate(labels, boundary->facets, criterion, context, 1));
     const Measures before = measure(labels, criterion);
-    const auto descent = descend(labels, criterion, context);
+    const auto descent = descend(labels, criterion, context, 1);
     ASSERT_TRUE(descent);
     const Measures after = measure(labels, criterion);
     EXPECT_EQ(after.euler(), before.euler());

@@ -1,0 +1,21 @@
+// Fusing: takes from another labelling the regions in which it is better.
+#pragma once
+
+#include "minimum_boundary/candidates.hpp"
+#include "minimum_boundary/connectivity.hpp"
+
+namespace surfaced::boundary {
+
+struct Fused {
+  std::size_t regions = 0;
+  std::size_t taken = 0;
+};
+
+/// The cells in which two manifold labellings differ fall into regions that share no vertex, so that any choice
+/// of regions is manifold again: the star of every vertex comes wholly from one of the two. Takes a region if
+/// ΔΣλ / λ(region) + 6 Δint - 3/2 Δχ < 0 and it adds no component, or (one_component) if it removes one.
+/// @cost  O(cells) and a search near each region that is better.
+Fused fuse(Labelling& labels, const Labelling& other, const Criterion& criterion, bool one_component,
+           SurfaceSearch& search);
+
+}  // namespace surfaced::boundary

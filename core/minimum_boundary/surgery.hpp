@@ -1,0 +1,23 @@
+// Surgery on 3-loops: removes handles one triangle thin.
+#pragma once
+
+#include "minimum_boundary/connectivity.hpp"
+#include "minimum_boundary/criterion.hpp"
+#include "minimum_boundary/labelling.hpp"
+
+namespace surfaced::boundary {
+
+struct Surgery {
+  std::size_t loops = 0;
+  std::size_t removed_handles = 0;
+};
+
+/// Tries every facet inside or outside whose three edges all lie on the surface: flipping its cells caps the
+/// loop from both sides. Neighbours are repaired without touching these cells; the whole is kept only if every
+/// vertex is good again, χ rises, no vertex becomes interior, Σλ rises by less than three times the facet's λ,
+/// and no component is added. Precondition and postcondition: every vertex is good.
+/// @return  cancelled.
+Result<Surgery> operate(Labelling& labels, const Criterion& criterion, SurfaceSearch& search, const Context& context,
+                        unsigned threads);
+
+}  // namespace surfaced::boundary
