@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/base.hpp"
+#include "jobs/job.hpp"
+#include "jobs/job_store.hpp"
+
+namespace surfaced {
+
+/// A cloud on its way in. Dropped before `commit`, nothing of it stays.
+class Upload {
+ public:
+  Upload() = default;
+  Upload(const Upload&) = delete;
+  Upload& operator=(const Upload&) = delete;
+  virtual ~Upload() = default;
+
+  virtual Status write(std::span<const std::byte> bytes) = 0;
+  virtual std::uint64_t bytes() const = 0;
+
+  /// Keeps the cloud under this key; it is durable when the call returns.
+  virtual Result<StoredInput> commit(std::string_view key) = 0;
+};
+
+/// An output that is being read.
+class OutputReader {
+ public:
+  OutputReader() = default;
+  OutputReader(const OutputReader&) = delete;
+  OutputReader& operator=(const OutputReader&) = delete;
+  virtual ~OutputReader() = default;
+
+  virtual std::uint64_t size() const = 0;
+  /// Reads up to buffer.size() bytes at the offset; 0 at the end.
+  virtual Result<std::size_t> read(std::uint64_t offset, std::span<std::byte> buffer) = 0;
+};
+
+/// Where clouds and outputs are kept: inputs under a key, outputs under (job, attempt, name). What
+/// exists counts only once the job store refers to it; `sweep` removes what it does not refer to.
+/// All calls are safe in threads.
+class ArtifactStore {
+ public:
+  ArtifactStore() = default;
+  ArtifactStore(const ArtifactStore&) = delete;
+  ArtifactStore& operator=(const ArtifactStore&) = delete;
+  virtual ~ArtifactStore() = default;
+
+  virtual Result<std::unique_ptr<Upload>> begin_upload() = 0;
+
+  /// The cloud as a local file, for a child to read.
+  virtual Result<std::filesystem::path> input_file(std::string_view key) = 0;
+
+  /// An empty local directory for an attempt to write into.
+  virtual Result<std::filesystem::path> begin_attempt(const Claim& claim) = 0;
+
+  /// Keeps the named files of the attempt's directory, durable when the call returns, and drops the
+  /// rest of it. Names that are absent are left out of the answer.
+  virtual Result<std::vector<Output>> publish(const Claim& claim, std::span<const std::string> names) = 0;
+
+  /// Drops the attempt's directory, and what it may have published.
+  virtual void discard(const Claim& claim) = 0;
+
+  virtual Result<std::unique_ptr<OutputReader>> open_output(const Claim& claim, std::string_view name) = 0;
+
+  /// Drops inputs and outputs that no job refers to any more. What cannot be dropped now is left to `sweep`.
+  virtual void remove(const Artifacts& garbage) = 0;
+
+  /// Removes everything that the job store does not refer to. To be called at start, before uploads
+  /// and attempts begin. Returns how many files and directories it removed.
+  virtual Result<std::size_t> sweep(const Artifacts& kept) = 0;
+
+  /// storage_full when less space is left than a server needs to go on.
+  virtual Status check_space() = 0;
+};
+
+}  // namespace surfaced

@@ -1,0 +1,226 @@
+#include "artifacts/file_artifact_store.hpp"
+
+#include <fcntl.h>
+#include <sys/statvfs.h>
+
+#include <cerrno>
+#include <optional>
+#include <set>
+#include <system_error>
+
+#include "platform/files.hpp"
+#include "platform/random.hpp"
+#include "platform/sha256.hpp"
+
+namespace surfaced {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string directory_of(const Claim& claim) { return claim.job + "-" + std::to_string(claim.attempt); }
+
+class FileUpload final : public Upload {
+ public:
+  FileUpload(UniqueFd fd, fs::path temporary, fs::path inputs)
+      : fd_(std::move(fd)), temporary_(std::move(temporary)), inputs_(std::move(inputs)) {}
+  ~FileUpload() override {
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  }
+
+  Status write(std::span<const std::byte> bytes) override {
+    sha_.update(bytes);
+    bytes_ += bytes.size();
+    return write_all(fd_.get(), bytes, "store the upload");
+  }
+
+  std::uint64_t bytes() const override { return bytes_; }
+
+  Result<StoredInput> commit(std::string_view key) override {
+    if (::fsync(fd_.get()) != 0) return system_error("store the upload", errno);
+    const fs::path target = inputs_ / key;
+    if (::rename(temporary_.c_str(), target.c_str()) != 0) return system_error("store the upload", errno);
+    temporary_ = target;
+    if (Status synced = sync_directory(inputs_); !synced.ok()) return synced.error();
+    temporary_.clear();
+    return StoredInput{std::string(key), bytes_, sha_.finish()};
+  }
+
+ private:
+  UniqueFd fd_;
+  // Removed with this object; empty once the upload is committed.
+  fs::path temporary_;
+  fs::path inputs_;
+  Sha256 sha_;
+  std::uint64_t bytes_ = 0;
+};
+
+class FileReader final : public OutputReader {
+ public:
+  FileReader(UniqueFd fd, std::uint64_t size) : fd_(std::move(fd)), size_(size) {}
+
+  std::uint64_t size() const override { return size_; }
+
+  Result<std::size_t> read(std::uint64_t offset, std::span<std::byte> buffer) override {
+    for (;;) {
+      const ssize_t count = ::pread(fd_.get(), buffer.data(), buffer.size(), static_cast<off_t>(offset));
+      if (count >= 0) return static_cast<std::size_t>(count);
+      if (errno != EINTR) return system_error("read an output", errno);
+    }
+  }
+
+ private:
+  UniqueFd fd_;
+  std::uint64_t size_;
+};
+
+/// Makes one file that a child wrote durable and describes it; none if there is no such file.
+Result<std::optional<Output>> seal(const fs::path& path, std::uint32_t attempt) {
+  if (std::error_code none; fs::symlink_status(path, none).type() == fs::file_type::not_found) {
+    return std::optional<Output>();
+  }
+  const Result<UniqueFd> fd = open_regular(path);
+  if (!fd) return fd.error();
+  const auto size = file_size(fd->get());
+  if (!size) return size.error();
+  auto sha = sha256_of_file(fd->get());
+  if (!sha) return sha.error();
+  if (::fsync(fd->get()) != 0) return system_error("keep an output", errno);
+  return std::optional(Output{path.filename().string(), attempt, *size, std::move(*sha)});
+}
+
+class FileArtifactStore final : public ArtifactStore {
+ public:
+  FileArtifactStore(const fs::path& directory, std::uint64_t minimum_free)
+      : uploads_(directory / "uploads"),
+        inputs_(directory / "inputs"),
+        attempts_(directory / "attempts"),
+        outputs_(directory / "outputs"),
+        minimum_free_(minimum_free) {}
+
+  Status make_directories() {
+    for (const fs::path* each : {&uploads_, &inputs_, &attempts_, &outputs_}) {
+      if (Status made = make_directory(*each); !made.ok()) return made;
+    }
+    return Done{};
+  }
+
+  Result<std::unique_ptr<Upload>> begin_upload() override {
+    fs::path temporary = uploads_ / random_hex<16>();
+    UniqueFd fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    if (!fd) return system_error("begin an upload", errno);
+    return std::unique_ptr<Upload>(std::make_unique<FileUpload>(std::move(fd), std::move(temporary), inputs_));
+  }
+
+  Result<fs::path> input_file(std::string_view key) override { return inputs_ / key; }
+
+  Result<fs::path> begin_attempt(const Claim& claim) override {
+    fs::path directory = attempts_ / directory_of(claim);
+    if (::mkdir(directory.c_str(), 0700) != 0) return system_error("make the directory of an attempt", errno);
+    return directory;
+  }
+
+  Result<std::vector<Output>> publish(const Claim& claim, std::span<const std::string> names) override {
+    const fs::path directory = attempts_ / directory_of(claim);
+    std::vector<Output> outputs;
+    std::set<std::string, std::less<>> kept;
+    for (const std::string& name : names) {
+      auto output = seal(directory / name, claim.attempt);
+      if (!output) return output.error();
+      if (!output->has_value()) continue;
+      kept.emplace(name);
+      outputs.push_back(std::move(**output));
+    }
+    if (Status cleaned = remove_others(directory, kept); !cleaned.ok()) return cleaned.error();
+    if (Status synced = sync_directory(directory); !synced.ok()) return synced.error();
+    if (::rename(directory.c_str(), (outputs_ / directory_of(claim)).c_str()) != 0) {
+      return system_error("publish the outputs", errno);
+    }
+    if (Status synced = sync_directory(outputs_); !synced.ok()) return synced.error();
+    return outputs;
+  }
+
+  void discard(const Claim& claim) override {
+    remove_tree(attempts_ / directory_of(claim));
+    remove_tree(outputs_ / directory_of(claim));
+  }
+
+  Result<std::unique_ptr<OutputReader>> open_output(const Claim& claim, std::string_view name) override {
+    auto fd = open_regular(outputs_ / directory_of(claim) / name);
+    if (!fd) return fd.error();
+    const auto size = file_size(fd->get());
+    if (!size) return size.error();
+    return std::unique_ptr<OutputReader>(std::make_unique<FileReader>(std::move(*fd), *size));
+  }
+
+  void remove(const Artifacts& garbage) override {
+    for (const auto& key : garbage.inputs) remove_tree(inputs_ / key);
+    for (const auto& claim : garbage.outputs) remove_tree(outputs_ / directory_of(claim));
+  }
+
+  Result<std::size_t> sweep(const Artifacts& kept) override {
+    const std::set<std::string> inputs(kept.inputs.begin(), kept.inputs.end());
+    std::set<std::string> outputs;
+    for (const Claim& claim : kept.outputs) outputs.insert(directory_of(claim));
+    std::size_t removed = 0;
+    const auto sweep_one = [&](const fs::path& directory, const std::set<std::string>& keep) -> Status {
+      std::error_code error;
+      fs::directory_iterator entries(directory, error);
+      if (error) return system_error("list " + directory.filename().string(), error.value());
+      for (const auto& entry : entries) {
+        if (keep.contains(entry.path().filename().string())) continue;
+        remove_tree(entry.path());
+        ++removed;
+      }
+      return Done{};
+    };
+    for (const fs::path& scratch : {uploads_, attempts_}) {
+      if (Status swept = sweep_one(scratch, {}); !swept.ok()) return swept.error();
+    }
+    if (Status swept = sweep_one(inputs_, inputs); !swept.ok()) return swept.error();
+    if (Status swept = sweep_one(outputs_, outputs); !swept.ok()) return swept.error();
+    return removed;
+  }
+
+  Status check_space() override {
+    struct statvfs disk {};
+    if (::statvfs(uploads_.c_str(), &disk) != 0) return system_error("ask for the free space", errno);
+    const std::uint64_t free = std::uint64_t{disk.f_bavail} * disk.f_frsize;
+    if (free >= minimum_free_) return Done{};
+    return Error{ErrorCode::storage_full, std::to_string(free) + " bytes are free under --data, at least " +
+                                              std::to_string(minimum_free_) + " are to stay free"};
+  }
+
+ private:
+  // Best effort: what stays is swept at the next start.
+  static void remove_tree(const fs::path& path) {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+
+  static Status remove_others(const fs::path& directory, const std::set<std::string, std::less<>>& kept) {
+    std::error_code error;
+    fs::directory_iterator entries(directory, error);
+    if (error) return system_error("list an attempt's directory", error.value());
+    for (const auto& entry : entries) {
+      if (!kept.contains(entry.path().filename().string())) remove_tree(entry.path());
+    }
+    return Done{};
+  }
+
+  const fs::path uploads_;
+  const fs::path inputs_;
+  const fs::path attempts_;
+  const fs::path outputs_;
+  const std::uint64_t minimum_free_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ArtifactStore>> open_file_artifact_store(const fs::path& directory,
+                                                                std::uint64_t minimum_free) {
+  auto store = std::make_unique<FileArtifactStore>(directory, minimum_free);
+  if (Status made = store->make_directories(); !made.ok()) return made.error();
+  return std::unique_ptr<ArtifactStore>(std::move(store));
+}
+
+}  // namespace surfaced

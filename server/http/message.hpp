@@ -1,0 +1,85 @@
+// Requests and responses as the handlers see them. Nothing here knows the library that speaks HTTP.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/base.hpp"
+
+namespace surfaced::http {
+
+/// Header fields in their order; names compare without case.
+class Headers {
+ public:
+  void add(std::string name, std::string value) { fields_.emplace_back(std::move(name), std::move(value)); }
+  /// The first field of this name.
+  std::optional<std::string_view> find(std::string_view name) const;
+  std::size_t count(std::string_view name) const;
+  auto begin() const { return fields_.begin(); }
+  auto end() const { return fields_.end(); }
+
+ private:
+  std::vector<std::pair<std::string, std::string>> fields_;
+};
+
+/// True if the two names of header fields are the same.
+bool same_name(std::string_view a, std::string_view b);
+
+/// The body of a request, read once and in pieces; never held in memory as a whole.
+class BodySource {
+ public:
+  using Sink = std::function<Status(std::span<const std::byte>)>;
+
+  BodySource() = default;
+  BodySource(const BodySource&) = delete;
+  BodySource& operator=(const BodySource&) = delete;
+  virtual ~BodySource() = default;
+
+  /// False if the request says that it has no body.
+  virtual bool present() const = 0;
+  /// Its length, if the request gives it.
+  virtual std::optional<std::uint64_t> length() const = 0;
+  /// Hands the body to the sink piece by piece. Ends with the sink's error, payload_too_large,
+  /// request_timeout, or invalid_request if the client breaks off or breaks the rules.
+  virtual Status read(const Sink& sink) = 0;
+};
+
+using Query = std::vector<std::pair<std::string, std::string>>;
+
+struct Request {
+  std::string method;
+  /// As it was sent, without the query.
+  std::string path;
+  /// Decoded, in its order.
+  Query query;
+  Headers headers;
+  /// Decoded parts of the path, by their names in the route.
+  std::map<std::string, std::string, std::less<>> path_parts;
+  std::string remote_address;
+  std::string request_id;
+  BodySource* body = nullptr;
+};
+
+/// A body of known length that is read while it is sent.
+struct BodyStream {
+  std::uint64_t length = 0;
+  std::function<Result<std::size_t>(std::uint64_t offset, std::span<std::byte> buffer)> read;
+};
+
+struct Response {
+  int status = 200;
+  Headers headers;
+  std::string content_type;
+  std::variant<std::string, BodyStream> body;
+};
+
+}  // namespace surfaced::http

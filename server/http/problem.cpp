@@ -1,0 +1,76 @@
+#include "http/problem.hpp"
+
+#include <string>
+#include <vector>
+
+#include "proto/embedded.hpp"
+
+namespace surfaced::http {
+namespace {
+
+struct Row {
+  std::string title;
+  std::string hint;
+  int status = 500;
+};
+
+struct Table {
+  std::string type_base;
+  std::vector<Row> rows;
+};
+
+/// The rows stand in the order of ErrorCode, which is made from the same file.
+const Table& table() {
+  static const Table kTable = [] {
+    const Json json = Json::parse(proto::errors_json());
+    Table made{json.at("type_base").get<std::string>(), {}};
+    for (const Json& error : json.at("errors")) {
+      made.rows.push_back({error.at("title").get<std::string>(), error.at("hint").get<std::string>(),
+                           error.at("status").get<int>()});
+    }
+    return made;
+  }();
+  return kTable;
+}
+
+const Row& row_of(ErrorCode code) { return table().rows.at(static_cast<std::size_t>(code)); }
+
+/// Seconds after which trying again makes sense.
+constexpr std::string_view kRetryAfter = "5";
+
+}  // namespace
+
+int status_of(ErrorCode code) { return row_of(code).status; }
+
+Json problem_json(const Error& error, std::string_view instance, std::string_view request_id) {
+  const Row& row = row_of(error.code);
+  Json problem{{"type", table().type_base + std::string(name_of(error.code))},
+               {"title", row.title},
+               {"status", row.status},
+               {"detail", error.detail},
+               {"code", name_of(error.code)},
+               {"hint", row.hint}};
+  if (!instance.empty()) problem["instance"] = instance;
+  problem["request_id"] = request_id;
+  return problem;
+}
+
+Response problem_response(const Error& error, const Request& request) {
+  Response response = json_response(status_of(error.code), problem_json(error, request.path, request.request_id));
+  response.content_type = "application/problem+json";
+  if (response.status == 503) response.headers.add("Retry-After", std::string(kRetryAfter));
+  return response;
+}
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Response json_response(int status, const Json& json) {
+  Response response;
+  response.status = status;
+  response.content_type = "application/json";
+  response.headers.add("Cache-Control", "no-store");
+  response.body = text_of(json);
+  return response;
+}
+
+}  // namespace surfaced::http

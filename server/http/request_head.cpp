@@ -1,0 +1,149 @@
+#include "http/request_head.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+namespace surfaced::http {
+namespace {
+
+constexpr std::size_t kMaxFields = 100;
+
+Error refuse(std::string detail) { return {ErrorCode::invalid_request, std::move(detail)}; }
+
+bool is_token(std::string_view text) {
+  constexpr std::string_view kMarks = "!#$%&'*+-.^_`|~";
+  return !text.empty() && std::ranges::all_of(text, [&](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || kMarks.find(c) != kMarks.npos;
+  });
+}
+
+bool is_control(char c) { return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7F; }
+
+/// Takes one line that ends with CR LF off the text.
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = text.find("\r\n");
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == text.npos ? text.size() : end + 2);
+  return line;
+}
+
+std::string_view trim(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+Status read_request_line(std::string_view line, RequestHead& head) {
+  const std::size_t first = line.find(' ');
+  const std::size_t last = line.rfind(' ');
+  if (first == line.npos || first == last) return refuse("the request line is not 'METHOD target HTTP/1.1'");
+  const std::string_view method = line.substr(0, first);
+  const std::string_view target = line.substr(first + 1, last - first - 1);
+  const std::string_view version = line.substr(last + 1);
+  if (!is_token(method) || method.size() > 32) return refuse("the request method is not a word of HTTP");
+  if (version != "HTTP/1.1" && version != "HTTP/1.0") return refuse("the version is not HTTP/1.1 or HTTP/1.0");
+  if (!target.starts_with('/') || std::ranges::any_of(target, [](char c) { return is_control(c) || c == ' '; })) {
+    return refuse("the request target is not a path that begins with /");
+  }
+  const std::string_view without_fragment = target.substr(0, target.find('#'));
+  const std::size_t mark = without_fragment.find('?');
+  head.method = method;
+  head.path = without_fragment.substr(0, mark);
+  head.query = mark == target.npos ? std::string_view() : without_fragment.substr(mark + 1);
+  head.close = version == "HTTP/1.0";
+  return Done{};
+}
+
+Status read_fields(std::string_view text, RequestHead& head) {
+  for (std::size_t count = 0; !text.starts_with("\r\n"); ++count) {
+    if (count == kMaxFields) {
+      return Error{ErrorCode::headers_too_large, "more than " + std::to_string(kMaxFields) + " header fields"};
+    }
+    const std::string_view line = take_line(text);
+    const std::size_t colon = line.find(':');
+    // A folded line begins with a space, which no name holds.
+    if (colon == line.npos || !is_token(line.substr(0, colon))) return refuse("a header line is not 'Name: value'");
+    const std::string_view value = trim(line.substr(colon + 1));
+    if (std::ranges::any_of(value, is_control)) return refuse("a header field holds a control character");
+    head.headers.add(std::string(line.substr(0, colon)), std::string(value));
+  }
+  return Done{};
+}
+
+Status read_framing(RequestHead& head) {
+  const auto length = head.headers.find("Content-Length");
+  const auto encoding = head.headers.find("Transfer-Encoding");
+  if (length && encoding) return refuse("Content-Length and Transfer-Encoding exclude each other");
+  if (head.headers.count("Content-Length") > 1 || head.headers.count("Transfer-Encoding") > 1) {
+    return refuse("Content-Length or Transfer-Encoding is given twice");
+  }
+  if (length) {
+    std::uint64_t bytes = 0;
+    const auto [end, failed] = std::from_chars(length->data(), length->data() + length->size(), bytes);
+    if (failed != std::errc() || end != length->data() + length->size()) {
+      return refuse("Content-Length is no number: " + std::string(length->substr(0, 40)));
+    }
+    head.framing = LengthBody{bytes};
+  } else if (encoding) {
+    if (!same_name(*encoding, "chunked")) return refuse("the only Transfer-Encoding taken is chunked");
+    head.framing = ChunkedBody{};
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Result<RequestHead> parse_head(std::string_view text) {
+  RequestHead head;
+  if (Status read = read_request_line(take_line(text), head); !read.ok()) return read.error();
+  if (Status read = read_fields(text, head); !read.ok()) return read.error();
+  if (head.headers.count("Host") > 1 || (!head.close && head.headers.count("Host") == 0)) {
+    return refuse("a request of HTTP/1.1 has one Host header");
+  }
+  if (Status read = read_framing(head); !read.ok()) return read.error();
+  if (const auto connection = head.headers.find("Connection"); connection && same_name(*connection, "close")) {
+    head.close = true;
+  }
+  const auto expect = head.headers.find("Expect");
+  head.expects_continue = expect && same_name(*expect, "100-continue");
+  return head;
+}
+
+Result<std::string> percent_decode(std::string_view text, bool plus_is_space) {
+  std::string decoded;
+  decoded.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    char c = text[i];
+    if (c == '+' && plus_is_space) c = ' ';
+    if (c == '%') {
+      unsigned byte = 0;
+      const char* const digits = text.data() + i + 1;
+      if (text.size() - i < 3 || std::from_chars(digits, digits + 2, byte, 16).ptr != digits + 2) {
+        return refuse("the URL has a '%' without two hexadecimal digits after it");
+      }
+      c = static_cast<char>(byte);
+      i += 2;
+    }
+    if (c == '\0') return refuse("the URL holds a NUL byte");
+    decoded += c;
+  }
+  return decoded;
+}
+
+Result<Query> parse_query(std::string_view text) {
+  Query query;
+  while (!text.empty()) {
+    const std::string_view pair = text.substr(0, text.find('&'));
+    text.remove_prefix(std::min(text.size(), pair.size() + 1));
+    if (pair.empty()) continue;
+    const std::size_t equals = pair.find('=');
+    auto name = percent_decode(pair.substr(0, equals), true);
+    if (!name) return name.error();
+    auto value = percent_decode(equals == pair.npos ? std::string_view() : pair.substr(equals + 1), true);
+    if (!value) return value.error();
+    query.emplace_back(std::move(*name), std::move(*value));
+  }
+  return query;
+}
+
+}  // namespace surfaced::http

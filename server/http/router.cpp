@@ -1,0 +1,78 @@
+#include "http/router.hpp"
+
+#include <exception>
+#include <iostream>
+#include <new>
+
+#include "http/problem.hpp"
+#include "http/request_head.hpp"
+
+namespace surfaced::http {
+namespace {
+
+std::vector<std::string> split(std::string_view path) {
+  std::vector<std::string> parts;
+  while (path.starts_with('/')) {
+    path.remove_prefix(1);
+    parts.emplace_back(path.substr(0, path.find('/')));
+    path.remove_prefix(parts.back().size());
+  }
+  return parts;
+}
+
+bool is_variable(std::string_view part) { return part.starts_with('{'); }
+
+bool matches(const std::vector<std::string>& pattern, const std::vector<std::string>& parts) {
+  if (pattern.size() != parts.size()) return false;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (is_variable(pattern[i]) ? parts[i].empty() : pattern[i] != parts[i]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void Router::add(std::string method, std::string_view pattern, Handler handler) {
+  routes_.push_back({std::move(method), split(pattern), std::move(handler)});
+}
+
+Response Router::handle(Request& request) const {
+  try {
+    return dispatch(request);
+  } catch (const std::bad_alloc&) {
+    return problem_response({ErrorCode::not_ready, "the server is short of memory"}, request);
+  } catch (const std::exception& failure) {
+    std::cerr << "request " << request.request_id << ": " << failure.what() << std::endl;
+    return problem_response({ErrorCode::internal_error, "the request could not be answered"}, request);
+  }
+}
+
+Response Router::dispatch(Request& request) const {
+  const auto parts = split(request.path);
+  std::string allowed;
+  for (const Route& route : routes_) {
+    if (!matches(route.parts, parts)) continue;
+    const bool as_get = request.method == "HEAD" && route.method == "GET";
+    if (route.method != request.method && !as_get) {
+      allowed += (allowed.empty() ? "" : ", ") + route.method + (route.method == "GET" ? ", HEAD" : "");
+      continue;
+    }
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (!is_variable(route.parts[i])) continue;
+      auto decoded = percent_decode(parts[i], false);
+      if (!decoded) return problem_response(decoded.error(), request);
+      request.path_parts[route.parts[i].substr(1, route.parts[i].size() - 2)] = std::move(*decoded);
+    }
+    return route.handler(request);
+  }
+  if (allowed.empty()) {
+    return problem_response({ErrorCode::not_found, "there is nothing at '" + request.path + "'"}, request);
+  }
+  Response response = problem_response(
+      {ErrorCode::method_not_allowed, request.method + " is not taken at '" + request.path + "', but " + allowed},
+      request);
+  response.headers.add("Allow", allowed);
+  return response;
+}
+
+}  // namespace surfaced::http

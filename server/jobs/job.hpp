@@ -1,0 +1,119 @@
+// A job and its states.
+//
+//   submit --> accepted --claim--> running --finish--> successful
+//                 ^  |               | | |---fail----> failed
+//                 |  |---dismiss--.  | |
+//                 |               v  v |
+//                 |            dismissed (by the client)
+//                 '------------- give back: the attempt was lost, drained, or crashed for the first time
+//
+// `successful`, `failed` and `dismissed` are ends. An ended job is removed by its client or when its
+// time to live is over; its id then answers "gone" for another while.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/base.hpp"
+#include "platform/clock.hpp"
+
+namespace surfaced {
+
+enum class JobStatus : std::uint8_t { accepted, running, successful, failed, dismissed };
+
+std::string_view name_of(JobStatus status);
+std::optional<JobStatus> job_status_named(std::string_view name);
+inline bool ended(JobStatus status) { return status > JobStatus::running; }
+
+/// A file that an attempt left, as it was when the attempt was committed.
+struct Output {
+  std::string name;
+  std::uint32_t attempt = 0;
+  std::uint64_t bytes = 0;
+  std::string sha256;
+};
+
+/// A cloud as it was uploaded; `key` is its name in the artifact store.
+struct StoredInput {
+  std::string key;
+  std::uint64_t bytes = 0;
+  std::string sha256;
+};
+
+struct NewJob {
+  std::string id;
+  std::string method;
+  /// As check_parameters returns them.
+  nlohmann::ordered_json parameters;
+  StoredInput input;
+  /// Names of the outputs to make: first the mesh, in the format of its name, then report.json and log.txt.
+  std::vector<std::string> wanted;
+  /// How long the job is kept after its end.
+  std::chrono::seconds ttl{};
+};
+
+struct Job : NewJob {
+  JobStatus status = JobStatus::accepted;
+  double progress = 0;
+  std::string phase;
+  /// Jobs that wait before this one; none unless accepted.
+  std::optional<std::uint64_t> queue_position;
+  /// Times the job was claimed; the fencing token of the last claim.
+  std::uint32_t attempt = 0;
+  SystemTime created_at;
+  std::optional<SystemTime> started_at;
+  std::optional<SystemTime> finished_at;
+  std::optional<SystemTime> expires_at;
+  std::optional<Error> error;
+  std::vector<Output> outputs;
+};
+
+/// The right to work on a job. It is void as soon as the job is dismissed or claimed again: whatever
+/// is then said in its name changes nothing.
+struct Claim {
+  std::string job;
+  std::uint32_t attempt = 0;
+};
+
+/// How an attempt ended.
+enum class Outcome : std::uint8_t {
+  done,
+  /// The input was refused; the error says why.
+  input_invalid,
+  method_failed,
+  out_of_memory,
+  timed_out,
+  crashed,
+  /// The client dismissed the job.
+  cancelled,
+  /// The server died, or could not do its part (spawn, store); says nothing about the input.
+  lost,
+  /// The server is stopping.
+  drained,
+};
+
+std::string_view name_of(Outcome outcome);
+
+/// What went wrong with a job in earlier attempts.
+struct Mishaps {
+  std::uint32_t failures = 0;
+  std::uint32_t losses = 0;
+};
+
+inline constexpr std::uint32_t kFailuresAllowed = 1;
+inline constexpr std::uint32_t kLossesAllowed = 20;
+
+/// Whether the job gets another attempt after this outcome, and the counts from then on. Only a crash
+/// and running out of memory count against an input; losses have a bound so that a job that kills its
+/// server is parked at last.
+struct Verdict {
+  bool again = false;
+  Mishaps mishaps;
+};
+Verdict judge(Outcome outcome, Mishaps before);
+
+}  // namespace surfaced

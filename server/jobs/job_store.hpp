@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "jobs/job.hpp"
+
+namespace surfaced {
+
+/// What a claim hands over: the job as it is now, running, with the claim's number in `job.attempt`.
+struct ClaimedJob {
+  Job job;
+  Claim claim() const { return {job.id, job.attempt}; }
+};
+
+/// What the artifact store keeps for jobs: keys of inputs, and the claims under which outputs lie.
+struct Artifacts {
+  std::vector<std::string> inputs;
+  std::vector<Claim> outputs;
+};
+
+/// What became of a request to dismiss a job.
+struct Dismissal {
+  /// Not removed: the job had not ended and is dismissed now; its attempt, if any, is still to be stopped.
+  /// Removed: it had ended, and its record is gone.
+  bool removed = false;
+  /// To be removed from the artifact store.
+  Artifacts garbage;
+};
+
+/// Where jobs are kept. Every change is durable when the call returns, or did not happen; a change in
+/// the name of a claim happens only while that claim holds (fencing). All calls are safe in threads.
+///
+/// Errors: job_not_found, job_gone and queue_full where named; internal_error or storage_full if the
+/// store itself fails.
+class JobStore {
+ public:
+  JobStore() = default;
+  JobStore(const JobStore&) = delete;
+  JobStore& operator=(const JobStore&) = delete;
+  virtual ~JobStore() = default;
+
+  /// Queues a job; queue_full if the limit is reached.
+  virtual Result<Job> submit(const NewJob& job) = 0;
+
+  /// queue_full if `submit` would say so now.
+  virtual Status check_room() = 0;
+
+  /// The job, or job_not_found, job_gone.
+  virtual Result<Job> find(std::string_view id) = 0;
+
+  /// The oldest accepted job, now running; none if there is none.
+  virtual Result<std::optional<ClaimedJob>> claim() = 0;
+
+  /// How far the claim's attempt is. Not durable: it is of no use once the attempt is over.
+  virtual void report(const Claim& claim, double progress, std::string_view phase) = 0;
+
+  /// The attempt is over. Its outputs and the job's new state become visible together.
+  /// @param error  unless the outcome is `done`
+  /// @return the job's state after it, or none if the claim did not hold any more: then nothing changed.
+  virtual Result<std::optional<JobStatus>> settle(const Claim& claim, Outcome outcome, const std::optional<Error>& error,
+                                                  const std::vector<Output>& outputs) = 0;
+
+  /// Dismisses an active job, removes an ended one; job_not_found, job_gone.
+  virtual Result<Dismissal> dismiss(std::string_view id) = 0;
+
+  /// To be called once, before the first claim of a server: whatever is running was lost with the
+  /// server before it. Returns the number of those jobs.
+  virtual Result<std::size_t> recover() = 0;
+
+  /// Removes ended jobs whose time to live is over, and forgets those that were removed long ago.
+  /// Returns what is to be removed from the artifact store.
+  virtual Result<Artifacts> expire() = 0;
+
+  /// Everything that is to be kept in the artifact store.
+  virtual Result<Artifacts> kept() = 0;
+
+  /// Done if a change could be made now.
+  virtual Status writable() = 0;
+};
+
+}  // namespace surfaced

@@ -1,0 +1,149 @@
+#include "jobs/scheduler.hpp"
+
+#include <unistd.h>
+
+#include <utility>
+
+namespace surfaced {
+namespace {
+
+/// After a failure that is not the job's (the store, the disk, a process that cannot be started).
+constexpr std::chrono::milliseconds kPauseAfterFailure{1000};
+/// Looking again without being told costs nothing and forgives a lost wake-up.
+constexpr std::chrono::milliseconds kPatience{5000};
+
+}  // namespace
+
+Scheduler::Scheduler(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, const AttemptRunner& runner,
+                     Options options)
+    : jobs_(jobs), artifacts_(artifacts), events_(events), runner_(runner), options_(options) {}
+
+Scheduler::~Scheduler() { drain(std::chrono::milliseconds(0)); }
+
+void Scheduler::start() {
+  for (unsigned i = 0; i < options_.workers; ++i) threads_.emplace_back([this] { work(); });
+}
+
+void Scheduler::wake() {
+  const std::scoped_lock lock(mutex_);
+  ++submissions_;
+  wake_.notify_all();
+}
+
+void Scheduler::cancel(std::string_view job) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = running_.find(std::string(job));
+  if (found != running_.end()) found->second->stop(Outcome::cancelled);
+}
+
+void Scheduler::drain(std::chrono::milliseconds grace) {
+  {
+    std::unique_lock lock(mutex_);
+    stopping_ = true;
+    wake_.notify_all();
+    idle_.wait_for(lock, grace, [&] { return running_.empty(); });
+    for (const auto& [job, stop] : running_) stop->stop(Outcome::drained);
+  }
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
+}
+
+void Scheduler::work() {
+  for (;;) {
+    std::uint64_t seen = 0;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (stopping_) return;
+      seen = submissions_;
+    }
+    const auto claimed = jobs_.claim();
+    if (claimed && claimed->has_value()) {
+      run_claimed(**claimed);
+      continue;
+    }
+    std::unique_lock lock(mutex_);
+    const auto patience = claimed ? kPatience : kPauseAfterFailure;
+    wake_.wait_for(lock, patience, [&] { return stopping_ || (claimed && submissions_ != seen); });
+  }
+}
+
+void Scheduler::run_claimed(const ClaimedJob& claimed) {
+  const auto stop = std::make_shared<StopSignal>();
+  {
+    const std::scoped_lock lock(mutex_);
+    running_[claimed.job.id] = stop;
+    if (stopping_) stop->stop(Outcome::drained);
+  }
+  events_.changed(claimed.job.id);
+  // The job may have been dismissed between its claim and its entry above; nobody would stop it then.
+  const auto now = jobs_.find(claimed.job.id);
+  if (!now || now->status != JobStatus::running) stop->stop(Outcome::cancelled);
+  settle(claimed, attempt(claimed, *stop));
+  events_.changed(claimed.job.id);
+  const std::scoped_lock lock(mutex_);
+  running_.erase(claimed.job.id);
+  idle_.notify_all();
+}
+
+AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& stop) {
+  if (const auto why = stop.why()) return {*why, Error{ErrorCode::cancelled, "the work was stopped"}};
+  const Claim claim = claimed.claim();
+  const auto directory = artifacts_.begin_attempt(claim);
+  if (!directory) return {Outcome::lost, directory.error()};
+  const auto cloud = artifacts_.input_file(claimed.job.input.key);
+  if (!cloud) return {Outcome::lost, cloud.error()};
+  auto log = AttemptLog::create(*directory / "log.txt");
+  if (!log) return {Outcome::lost, log.error()};
+  log->line("job " + claim.job + " attempt " + std::to_string(claim.attempt));
+  log->line("method " + claimed.job.method + " " + claimed.job.parameters.dump());
+  log->line("input " + std::to_string(claimed.job.input.bytes) + " bytes, sha256 " + claimed.job.input.sha256);
+  const AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters, *cloud,
+                         *directory, claimed.job.wanted.front(), options_.limits,        ::getpid()};
+  AttemptResult result = runner_.run(spec, stop, *log, [&](double progress, std::string_view phase) {
+    jobs_.report(claim, progress, phase);
+  });
+  log->close();
+  log->line("outcome " + std::string(name_of(result.outcome)) + (result.error ? ": " + result.error->detail : ""));
+  return result;
+}
+
+void Scheduler::settle(const ClaimedJob& claimed, AttemptResult result) {
+  const Claim claim = claimed.claim();
+  const std::vector<Output> outputs = publish(claimed.job, result);
+  for (;;) {
+    const auto status = jobs_.settle(claim, result.outcome, result.error, outputs);
+    if (status) {
+      const bool kept = status->has_value() && ended(**status) && !outputs.empty();
+      if (!kept) artifacts_.discard(claim);
+      if (result.outcome == Outcome::lost) pause_after_failure();
+      return;
+    }
+    // The outputs stay where they are: if the server ends before the store works again, the next start
+    // recovers the job and sweeps what the store does not know.
+    if (!pause_after_failure()) return;
+  }
+}
+
+std::vector<Output> Scheduler::publish(const Job& job, AttemptResult& result) {
+  const Outcome outcome = result.outcome;
+  if (outcome == Outcome::cancelled || outcome == Outcome::drained || outcome == Outcome::lost) return {};
+  // Of an attempt that failed only the log is worth keeping.
+  const auto names = outcome == Outcome::done ? job.wanted : std::vector<std::string>{"log.txt"};
+  auto published = artifacts_.publish({job.id, job.attempt}, names);
+  if (!published) {
+    result = {Outcome::lost, published.error()};
+    return {};
+  }
+  if (published->size() < names.size()) {
+    result = {Outcome::crashed, Error{ErrorCode::crashed, "the process ended without writing its outputs"}};
+    std::erase_if(*published, [](const Output& output) { return output.name != "log.txt"; });
+  }
+  return std::move(*published);
+}
+
+bool Scheduler::pause_after_failure() {
+  std::unique_lock lock(mutex_);
+  return !wake_.wait_for(lock, kPauseAfterFailure, [&] { return stopping_; });
+}
+
+}  // namespace surfaced

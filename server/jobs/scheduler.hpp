@@ -1,0 +1,73 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <unordered_map>
+#include <vector>
+
+#include "artifacts/artifact_store.hpp"
+#include "jobs/job_events.hpp"
+#include "jobs/job_store.hpp"
+#include "worker/attempt_runner.hpp"
+
+namespace surfaced {
+
+/// Takes jobs from the store, oldest first, and runs them: a thread a worker, a child process an attempt.
+///
+/// Who owns what: a claimed job is the worker's until it is settled. On the way there the worker
+/// publishes the outputs, then settles outputs and state in one transaction; if that says that the claim
+/// is void (dismissed meanwhile), it discards what it published. While the store fails, the worker tries
+/// again; if the server ends first, the next start recovers the job.
+class Scheduler {
+ public:
+  struct Options {
+    unsigned workers = 1;
+    AttemptLimits limits;
+  };
+
+  Scheduler(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, const AttemptRunner& runner, Options options);
+  ~Scheduler();
+  Scheduler(const Scheduler&) = delete;
+  Scheduler& operator=(const Scheduler&) = delete;
+
+  void start();
+
+  /// A job was submitted.
+  void wake();
+
+  /// Stops the attempt that works on this job, if there is one here.
+  void cancel(std::string_view job);
+
+  /// Claims no more; gives running attempts this long, then stops them and gives their jobs back.
+  void drain(std::chrono::milliseconds grace);
+
+ private:
+  void work();
+  void run_claimed(const ClaimedJob& claimed);
+  AttemptResult attempt(const ClaimedJob& claimed, const StopSignal& stop);
+  void settle(const ClaimedJob& claimed, AttemptResult result);
+  /// Keeps what the attempt left; changes the result if that cannot be kept or is not complete.
+  std::vector<Output> publish(const Job& job, AttemptResult& result);
+  /// False when the scheduler stops.
+  bool pause_after_failure();
+
+  JobStore& jobs_;
+  ArtifactStore& artifacts_;
+  JobEvents& events_;
+  const AttemptRunner& runner_;
+  const Options options_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::condition_variable idle_;
+  std::uint64_t submissions_ = 0;
+  bool stopping_ = false;
+  std::unordered_map<std::string, std::shared_ptr<StopSignal>> running_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace surfaced

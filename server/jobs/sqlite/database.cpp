@@ -1,0 +1,113 @@
+#include "jobs/sqlite/database.hpp"
+
+#include <sqlite3.h>
+
+namespace surfaced::sqlite {
+namespace {
+
+/// Another process that looks at the file (a backup) may hold the lock this long.
+constexpr int kBusyMilliseconds = 10'000;
+
+}  // namespace
+
+void Database::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
+void Database::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+
+Database::Database(const std::filesystem::path& file) {
+  sqlite3* handle = nullptr;
+  const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  const int code = sqlite3_open_v2(file.c_str(), &handle, flags, nullptr);
+  handle_.reset(handle);
+  if (code != SQLITE_OK) fail(code, "open");
+  sqlite3_busy_timeout(handle_.get(), kBusyMilliseconds);
+  run("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON; PRAGMA trusted_schema=OFF");
+}
+
+void Database::fail(int code, std::string_view doing) const {
+  const std::string reason = handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code);
+  throw SqliteError(code, "cannot " + std::string(doing) + " the job store: " + reason);
+}
+
+void Database::run(const char* sql) {
+  const int code = sqlite3_exec(handle_.get(), sql, nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) fail(code, "change");
+}
+
+std::int64_t Database::changes() const { return sqlite3_changes64(handle_.get()); }
+
+sqlite3_stmt* Database::prepared(const char* sql) {
+  auto& kept = statements_[sql];
+  if (!kept) {
+    sqlite3_stmt* statement = nullptr;
+    const int code = sqlite3_prepare_v3(handle_.get(), sql, -1, SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
+    kept.reset(statement);
+    if (code != SQLITE_OK) fail(code, "ask");
+  }
+  return kept.get();
+}
+
+Query::Query(Database& database, const char* sql) : database_(database), statement_(database.prepared(sql)) {}
+
+Query::~Query() {
+  sqlite3_reset(statement_);
+  sqlite3_clear_bindings(statement_);
+}
+
+Query& Query::bind(std::string_view text) {
+  const int code = sqlite3_bind_text64(statement_, ++bound_, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
+  if (code != SQLITE_OK) database_.fail(code, "ask");
+  return *this;
+}
+
+Query& Query::bind(std::int64_t number) {
+  const int code = sqlite3_bind_int64(statement_, ++bound_, number);
+  if (code != SQLITE_OK) database_.fail(code, "ask");
+  return *this;
+}
+
+Query& Query::bind(std::nullptr_t) {
+  const int code = sqlite3_bind_null(statement_, ++bound_);
+  if (code != SQLITE_OK) database_.fail(code, "ask");
+  return *this;
+}
+
+bool Query::step() {
+  const int code = sqlite3_step(statement_);
+  if (code != SQLITE_ROW && code != SQLITE_DONE) database_.fail(code, "use");
+  return code == SQLITE_ROW;
+}
+
+void Query::run() {
+  while (step()) {
+  }
+}
+
+std::string Query::text(int column) const {
+  const auto* bytes = sqlite3_column_text(statement_, column);
+  const auto length = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
+  return bytes == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(bytes), length);
+}
+
+std::int64_t Query::number(int column) const { return sqlite3_column_int64(statement_, column); }
+
+bool Query::null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+
+Transaction::Transaction(Database& database, Kind kind) : database_(database) {
+  database_.run(kind == Kind::write ? "BEGIN IMMEDIATE" : "BEGIN DEFERRED");
+}
+
+Transaction::~Transaction() {
+  if (!open_) return;
+  try {
+    database_.run("ROLLBACK");
+  } catch (const SqliteError&) {
+    // SQLite has rolled back by itself after the error that brought us here.
+  }
+}
+
+void Transaction::commit() {
+  database_.run("COMMIT");
+  open_ = false;
+}
+
+}  // namespace surfaced::sqlite

@@ -1,0 +1,68 @@
+#include "jobs/sqlite/schema.hpp"
+
+#include <array>
+#include <string>
+
+#include "jobs/sqlite/database.hpp"
+
+namespace surfaced::sqlite {
+namespace {
+
+// Entry n takes a file from version n to n + 1. An entry that was released is never changed.
+constexpr auto kMigrations = std::to_array<const char*>({
+    R"sql(
+CREATE TABLE jobs (
+  seq          INTEGER PRIMARY KEY AUTOINCREMENT,
+  id           TEXT NOT NULL UNIQUE,
+  method       TEXT NOT NULL,
+  parameters   TEXT NOT NULL,
+  status       TEXT NOT NULL CHECK (status IN ('accepted', 'running', 'successful', 'failed', 'dismissed')),
+  attempt      INTEGER NOT NULL DEFAULT 0,
+  failures     INTEGER NOT NULL DEFAULT 0,
+  losses       INTEGER NOT NULL DEFAULT 0,
+  input_key    TEXT NOT NULL,
+  input_bytes  INTEGER NOT NULL,
+  input_sha256 TEXT NOT NULL,
+  wanted       TEXT NOT NULL,
+  ttl_seconds  INTEGER NOT NULL,
+  created_at   TEXT NOT NULL,
+  started_at   TEXT,
+  finished_at  TEXT,
+  expires_at   TEXT,
+  removed_at   TEXT,
+  error_code   TEXT,
+  error_detail TEXT
+) STRICT;
+CREATE INDEX jobs_active ON jobs (status, seq) WHERE status IN ('accepted', 'running');
+CREATE INDEX jobs_expiry ON jobs (expires_at) WHERE expires_at IS NOT NULL;
+CREATE TABLE outputs (
+  job     TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
+  name    TEXT NOT NULL,
+  attempt INTEGER NOT NULL,
+  bytes   INTEGER NOT NULL,
+  sha256  TEXT NOT NULL,
+  PRIMARY KEY (job, name)
+) STRICT, WITHOUT ROWID;
+)sql",
+});
+
+}  // namespace
+
+void migrate(Database& database) {
+  Transaction transaction(database, Transaction::Kind::write);
+  std::int64_t version = 0;
+  {
+    Query query(database, "PRAGMA user_version");
+    if (query.step()) version = query.number(0);
+  }
+  const auto newest = static_cast<std::int64_t>(kMigrations.size());
+  if (version < 0 || version > newest) {
+    throw SqliteError(0, "the job store has version " + std::to_string(version) + ", this surfaced knows versions up to " +
+                             std::to_string(newest) + "; use the surfaced that wrote it, or a newer one");
+  }
+  for (; version < newest; ++version) database.run(kMigrations.at(static_cast<std::size_t>(version)));
+  database.run(("PRAGMA user_version = " + std::to_string(newest)).c_str());
+  transaction.commit();
+}
+
+}  // namespace surfaced::sqlite

@@ -1,0 +1,11 @@
+#pragma once
+
+namespace surfaced::sqlite {
+
+class Database;
+
+/// Brings the file from whatever version it has (`PRAGMA user_version`) to the current one, in one
+/// transaction. Throws SqliteError, also for a file that a newer surfaced has written.
+void migrate(Database& database);
+
+}  // namespace surfaced::sqlite

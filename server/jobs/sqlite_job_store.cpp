@@ -1,0 +1,227 @@
+#include "jobs/sqlite_job_store.hpp"
+
+#include <sqlite3.h>
+
+#include <mutex>
+#include <unordered_map>
+#include <utility>
+
+#include "jobs/sqlite/database.hpp"
+#include "jobs/sqlite/job_rows.hpp"
+#include "jobs/sqlite/schema.hpp"
+
+namespace surfaced {
+namespace {
+
+using namespace sqlite;
+
+Error store_error(const SqliteError& error) {
+  const bool full = (error.code() & 0xFF) == SQLITE_FULL;
+  return {full ? ErrorCode::storage_full : ErrorCode::internal_error, error.what()};
+}
+
+/// The wall of this folder: what SQLite throws becomes a value.
+template <class Work>
+auto guarded(const Work& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const SqliteError& error) {
+    return store_error(error);
+  }
+}
+
+struct LiveProgress {
+  std::uint32_t attempt = 0;
+  double fraction = 0;
+  std::string phase;
+};
+
+/// One connection writes, another reads, each under its own mutex: a read never waits for the disk.
+class SqliteJobStore final : public JobStore {
+ public:
+  SqliteJobStore(const std::filesystem::path& file, const JobStoreLimits& limits)
+      : limits_(limits), writer_(file), reader_(file) {
+    migrate(writer_);
+  }
+
+  Result<Job> submit(const NewJob& job) override {
+    return guarded([&]() -> Result<Job> {
+      const std::scoped_lock lock(write_mutex_);
+      Transaction transaction(writer_, Transaction::Kind::write);
+      if (Status room = room_in(writer_); !room.ok()) return room.error();
+      insert_job(writer_, job, now());
+      auto stored = *select_job(writer_, job.id);
+      transaction.commit();
+      return std::move(stored.job);
+    });
+  }
+
+  Status check_room() override {
+    return guarded([&] {
+      const std::scoped_lock lock(read_mutex_);
+      return room_in(reader_);
+    });
+  }
+
+  Result<Job> find(std::string_view id) override {
+    return guarded([&]() -> Result<Job> {
+      std::optional<JobRow> row;
+      {
+        const std::scoped_lock lock(read_mutex_);
+        const Transaction transaction(reader_, Transaction::Kind::read);
+        row = select_job(reader_, id);
+      }
+      if (Status there = present(row, id); !there.ok()) return there.error();
+      add_progress(row->job);
+      return std::move(row->job);
+    });
+  }
+
+  Result<std::optional<ClaimedJob>> claim() override {
+    return guarded([&]() -> Result<std::optional<ClaimedJob>> {
+      const std::scoped_lock lock(write_mutex_);
+      Transaction transaction(writer_, Transaction::Kind::write);
+      const auto id = claim_oldest(writer_, now());
+      if (!id) return std::optional<ClaimedJob>();
+      auto row = select_job(writer_, *id);
+      transaction.commit();
+      const std::scoped_lock progress_lock(progress_mutex_);
+      progress_[*id] = {row->job.attempt, 0, {}};
+      return std::optional(ClaimedJob{std::move(row->job)});
+    });
+  }
+
+  void report(const Claim& claim, double progress, std::string_view phase) override {
+    const std::scoped_lock lock(progress_mutex_);
+    const auto found = progress_.find(claim.job);
+    if (found == progress_.end() || found->second.attempt != claim.attempt) return;
+    found->second.fraction = std::max(found->second.fraction, progress);
+    found->second.phase = phase;
+  }
+
+  Result<std::optional<JobStatus>> settle(const Claim& claim, Outcome outcome, const std::optional<Error>& error,
+                                          const std::vector<Output>& outputs) override {
+    return guarded([&]() -> Result<std::optional<JobStatus>> {
+      const std::scoped_lock lock(write_mutex_);
+      Transaction transaction(writer_, Transaction::Kind::write);
+      const auto status = settle_claim(writer_, {claim, outcome, error, outputs, now()});
+      if (status) transaction.commit();
+      forget_progress(claim);
+      return status;
+    });
+  }
+
+  Result<Dismissal> dismiss(std::string_view id) override {
+    return guarded([&]() -> Result<Dismissal> {
+      const std::scoped_lock lock(write_mutex_);
+      Transaction transaction(writer_, Transaction::Kind::write);
+      const auto row = select_job(writer_, id);
+      if (Status there = present(row, id); !there.ok()) return there.error();
+      const SystemTime time = now();
+      Dismissal dismissal{ended(row->job.status), {}};
+      if (dismissal.removed) {
+        dismissal.garbage = remove_job(writer_, row->job, time, time + limits_.tombstone);
+      } else {
+        dismiss_job(writer_, id, time, time + row->job.ttl);
+      }
+      transaction.commit();
+      return dismissal;
+    });
+  }
+
+  Result<std::size_t> recover() override {
+    return guarded([&]() -> Result<std::size_t> {
+      const std::scoped_lock lock(write_mutex_);
+      Transaction transaction(writer_, Transaction::Kind::write);
+      const auto running = select_running(writer_);
+      const Error error{ErrorCode::lost, "the server died " + std::to_string(kLossesAllowed) + " times under this job"};
+      for (const Claim& claim : running) settle_claim(writer_, {claim, Outcome::lost, error, {}, now()});
+      transaction.commit();
+      return running.size();
+    });
+  }
+
+  Result<Artifacts> expire() override {
+    return guarded([&]() -> Result<Artifacts> {
+      const std::scoped_lock lock(write_mutex_);
+      Transaction transaction(writer_, Transaction::Kind::write);
+      const SystemTime time = now();
+      purge_tombstones(writer_, time);
+      Artifacts garbage;
+      for (const auto& id : select_expired(writer_, time)) {
+        const auto row = select_job(writer_, id);
+        const Artifacts of_job = remove_job(writer_, row->job, time, time + limits_.tombstone);
+        garbage.inputs.insert(garbage.inputs.end(), of_job.inputs.begin(), of_job.inputs.end());
+        garbage.outputs.insert(garbage.outputs.end(), of_job.outputs.begin(), of_job.outputs.end());
+      }
+      transaction.commit();
+      return garbage;
+    });
+  }
+
+  Result<Artifacts> kept() override {
+    return guarded([&]() -> Result<Artifacts> {
+      const std::scoped_lock lock(read_mutex_);
+      const Transaction transaction(reader_, Transaction::Kind::read);
+      return Artifacts{select_inputs(reader_), select_published(reader_)};
+    });
+  }
+
+  Status writable() override {
+    return guarded([&]() -> Status {
+      const std::scoped_lock lock(write_mutex_);
+      Transaction transaction(writer_, Transaction::Kind::write);
+      transaction.commit();
+      return Done{};
+    });
+  }
+
+ private:
+  Status room_in(Database& database) const {
+    const auto waiting = count_accepted(database);
+    if (waiting < limits_.queue) return Done{};
+    return Error{ErrorCode::queue_full, std::to_string(waiting) + " jobs are waiting, the limit is " +
+                                            std::to_string(limits_.queue)};
+  }
+
+  static Status present(const std::optional<JobRow>& row, std::string_view id) {
+    if (!row) return Error{ErrorCode::job_not_found, "no job has the id '" + std::string(id) + "'"};
+    if (row->removed_at.empty()) return Done{};
+    return Error{ErrorCode::job_gone, "the job '" + std::string(id) + "' was removed at " + row->removed_at};
+  }
+
+  void add_progress(Job& job) {
+    if (job.status == JobStatus::successful) job.progress = 1;
+    if (job.status != JobStatus::running) return;
+    const std::scoped_lock lock(progress_mutex_);
+    const auto found = progress_.find(job.id);
+    if (found == progress_.end() || found->second.attempt != job.attempt) return;
+    job.progress = found->second.fraction;
+    job.phase = found->second.phase;
+  }
+
+  void forget_progress(const Claim& claim) {
+    const std::scoped_lock lock(progress_mutex_);
+    const auto found = progress_.find(claim.job);
+    if (found != progress_.end() && found->second.attempt == claim.attempt) progress_.erase(found);
+  }
+
+  const JobStoreLimits limits_;
+  std::mutex write_mutex_;
+  std::mutex read_mutex_;
+  std::mutex progress_mutex_;
+  Database writer_;
+  Database reader_;
+  std::unordered_map<std::string, LiveProgress> progress_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<JobStore>> open_sqlite_job_store(const std::filesystem::path& file,
+                                                        const JobStoreLimits& limits) {
+  return guarded([&]() -> Result<std::unique_ptr<JobStore>> {
+    return std::unique_ptr<JobStore>(std::make_unique<SqliteJobStore>(file, limits));
+  });
+}
+
+}  // namespace surfaced

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/base.hpp"
+#include "platform/unique_fd.hpp"
+
+namespace surfaced {
+
+/// Error of a failed system call: storage_full when the disk or the quota is full, else
+/// internal_error. The detail is "cannot ACTION: REASON"; it goes to clients, so `action` names no path.
+Error system_error(std::string_view action, int error_number);
+
+/// What strerror says, safe in threads.
+std::string error_text(int error_number);
+
+/// Makes the names in a directory durable.
+Status sync_directory(const std::filesystem::path& directory);
+
+/// Creates a directory and its missing parents, for the owner alone, and makes the last one durable.
+Status make_directory(const std::filesystem::path& directory);
+
+/// Opens a regular file for reading; a symbolic link or anything else is refused.
+Result<UniqueFd> open_regular(const std::filesystem::path& path);
+
+/// Writes all bytes, however often the system call returns early.
+Status write_all(int fd, std::span<const std::byte> bytes, std::string_view action);
+
+/// Size of an open file.
+Result<std::uint64_t> file_size(int fd);
+
+inline std::span<const std::byte> as_bytes(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+}  // namespace surfaced

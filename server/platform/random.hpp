@@ -1,0 +1,23 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "platform/sha256.hpp"
+
+namespace surfaced {
+
+/// Fills with random bits from the kernel.
+void fill_random(std::span<std::byte> bytes);
+
+/// `Bytes` * 8 random bits as lower-case hexadecimal digits.
+template <std::size_t Bytes>
+std::string random_hex() {
+  std::array<std::byte, Bytes> bytes{};
+  fill_random(bytes);
+  return to_hex(bytes);
+}
+
+}  // namespace surfaced

@@ -1,0 +1,85 @@
+// What the server and the child of an attempt say to each other: the server gives one JSON object on
+// the command line, the child answers with JSON lines on descriptor 3. The server believes nothing
+// that comes back: lines are capped, unknown ones dropped.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "base/base.hpp"
+#include "jobs/job.hpp"
+
+namespace surfaced {
+
+/// Descriptor of the child's end of the pipe.
+inline constexpr int kMessageDescriptor = 3;
+/// A longer line is dropped.
+inline constexpr std::size_t kMaxMessageBytes = 8192;
+
+/// What one attempt may use.
+struct AttemptLimits {
+  std::uint64_t memory_bytes = 0;
+  std::uint64_t max_points = 0;
+  /// Size of any file it writes.
+  std::uint64_t file_bytes = 0;
+  std::chrono::seconds time{};
+  unsigned threads = 1;
+};
+
+struct AttemptSpec {
+  Claim claim;
+  std::string method;
+  nlohmann::ordered_json parameters;
+  std::filesystem::path cloud;
+  /// Where the child writes report.json and the mesh, in the format of its name.
+  std::filesystem::path directory;
+  std::string mesh;
+  AttemptLimits limits;
+  /// The process whose death is the child's.
+  int parent = 0;
+};
+
+std::string encode(const AttemptSpec& spec);
+Result<AttemptSpec> decode_attempt(std::string_view text);
+
+struct ProgressMessage {
+  double progress = 0;
+  std::string phase;
+};
+using Message = std::variant<std::monostate, ProgressMessage, Error>;
+
+std::string encode(const ProgressMessage& message);
+/// Why the child gives up.
+std::string encode(const Error& problem);
+/// monostate for anything that is not a message.
+Message decode_message(std::string_view line);
+
+/// Cuts what arrives into lines; overlong ones are dropped.
+class LineSplitter {
+ public:
+  template <class Sink>
+  void add(std::string_view bytes, const Sink& sink) {
+    for (const char each : bytes) {
+      if (each == '\n') {
+        if (!overlong_) sink(std::string_view(line_));
+        line_.clear();
+        overlong_ = false;
+      } else if (line_.size() < kMaxMessageBytes) {
+        line_ += each;
+      } else {
+        overlong_ = true;
+      }
+    }
+  }
+
+ private:
+  std::string line_;
+  bool overlong_ = false;
+};
+
+}  // namespace surfaced

@@ -1,0 +1,49 @@
+#include "worker/confinement.hpp"
+
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+
+#include "platform/files.hpp"
+
+namespace surfaced {
+namespace {
+
+constexpr rlim_t kOpenFiles = 64;
+
+// The shadow memory of the sanitizers is data to the kernel, terabytes of it.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
+Status limit(__rlimit_resource_t resource, rlim_t soft, rlim_t hard, std::string_view name) {
+  const rlimit both{soft, hard};
+  if (::setrlimit(resource, &both) != 0) return system_error("set the limit of " + std::string(name), errno);
+  return Done{};
+}
+
+}  // namespace
+
+Status confine_this_process(const AttemptLimits& limits, int parent) {
+  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return system_error("die with the server", errno);
+  // The server may have died before the line above: then the signal will never come.
+  if (::getppid() != parent) return Error{ErrorCode::lost, "the server is gone"};
+  if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return system_error("give up privileges", errno);
+  // A file that would grow beyond its limit shall be an error of write, not a signal.
+  std::signal(SIGXFSZ, SIG_IGN);
+  const auto cpu = static_cast<rlim_t>(limits.time.count()) * std::max(1U, limits.threads);
+  if (Status set = limit(RLIMIT_CORE, 0, 0, "core files"); !set.ok()) return set;
+  if (Status set = limit(RLIMIT_CPU, cpu, cpu + 5, "processor time"); !set.ok()) return set;
+  if (Status set = limit(RLIMIT_FSIZE, limits.file_bytes, limits.file_bytes, "file size"); !set.ok()) return set;
+  if (Status set = limit(RLIMIT_NOFILE, kOpenFiles, kOpenFiles, "open files"); !set.ok()) return set;
+  if (kSanitized) return Done{};
+  return limit(RLIMIT_DATA, limits.memory_bytes, limits.memory_bytes, "memory");
+}
+
+}  // namespace surfaced
