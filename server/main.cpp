@@ -15,6 +15,8 @@ int dispatch(int argc, char** argv) {
   surfaced::add_reconstruct(app, run);
   surfaced::add_measure(app, run);
   surfaced::add_methods(app, run);
+  surfaced::add_serve(app, run);
+  surfaced::add_attempt(app, run);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked_for_help) {

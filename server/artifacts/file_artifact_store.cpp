@@ -1,6 +1,7 @@
 #include "artifacts/file_artifact_store.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 
 #include <cerrno>
@@ -216,8 +217,7 @@ class FileArtifactStore final : public ArtifactStore {
 
 }  // namespace
 
-Result<std::unique_ptr<ArtifactStore>> open_file_artifact_store(const fs::path& directory,
-                                                                std::uint64_t minimum_free) {
+Result<std::unique_ptr<ArtifactStore>> open_file_artifact_store(const fs::path& directory, std::uint64_t minimum_free) {
   auto store = std::make_unique<FileArtifactStore>(directory, minimum_free);
   if (Status made = store->make_directories(); !made.ok()) return made.error();
   return std::unique_ptr<ArtifactStore>(std::move(store));

@@ -25,6 +25,7 @@
 #include <memory>
 
 #include "artifacts/artifact_store.hpp"
+#include "platform/unique_fd.hpp"
 
 namespace surfaced {
 

@@ -33,6 +33,33 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
+/// Length of the sequence that this byte begins; 0 for none.
+std::size_t sequence_length(unsigned char first) {
+  if (first < 0x80) return 1;
+  if (first >= 0xC2 && first < 0xE0) return 2;
+  if (first >= 0xE0 && first < 0xF0) return 3;
+  return first >= 0xF0 && first < 0xF5 ? 4 : 0;
+}
+
+/// As Unicode defines it: no overlong forms, no surrogates, nothing above U+10FFFF.
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const auto first = static_cast<unsigned char>(text.front());
+    const std::size_t length = sequence_length(first);
+    if (length == 0 || length > text.size()) return false;
+    for (std::size_t i = 1; i < length; ++i) {
+      if ((static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) return false;
+    }
+    const auto second = length > 1 ? static_cast<unsigned char>(text[1]) : 0U;
+    if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) || (first == 0xF0 && second < 0x90) ||
+        (first == 0xF4 && second > 0x8F)) {
+      return false;
+    }
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
 Status read_request_line(std::string_view line, RequestHead& head) {
   const std::size_t first = line.find(' ');
   const std::size_t last = line.rfind(' ');
@@ -127,6 +154,7 @@ Result<std::string> percent_decode(std::string_view text, bool plus_is_space) {
     if (c == '\0') return refuse("the URL holds a NUL byte");
     decoded += c;
   }
+  if (!is_utf8(decoded)) return refuse("the URL holds bytes that are no UTF-8");
   return decoded;
 }
 

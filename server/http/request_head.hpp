@@ -38,7 +38,8 @@ struct RequestHead {
 /// @return  invalid_request, headers_too_large for more than 100 fields.
 Result<RequestHead> parse_head(std::string_view text);
 
-/// Decodes %XX; with `plus_is_space`, as in a query, + too. invalid_request for a broken escape or a NUL.
+/// Decodes %XX; with `plus_is_space`, as in a query, + too. invalid_request for a broken escape, a NUL,
+/// or bytes that are no UTF-8.
 Result<std::string> percent_decode(std::string_view text, bool plus_is_space);
 
 /// Decodes a=b&c=d.

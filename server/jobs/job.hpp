@@ -52,6 +52,8 @@ struct NewJob {
   StoredInput input;
   /// Names of the outputs to make: first the mesh, in the format of its name, then report.json and log.txt.
   std::vector<std::string> wanted;
+  /// Of the request that made the job.
+  std::string request_id;
   /// How long the job is kept after its end.
   std::chrono::seconds ttl{};
 };

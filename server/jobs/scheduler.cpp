@@ -94,14 +94,13 @@ AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& st
   if (!cloud) return {Outcome::lost, cloud.error()};
   auto log = AttemptLog::create(*directory / "log.txt");
   if (!log) return {Outcome::lost, log.error()};
-  log->line("job " + claim.job + " attempt " + std::to_string(claim.attempt));
+  log->line("job " + claim.job + " attempt " + std::to_string(claim.attempt) + " request " + claimed.job.request_id);
   log->line("method " + claimed.job.method + " " + claimed.job.parameters.dump());
   log->line("input " + std::to_string(claimed.job.input.bytes) + " bytes, sha256 " + claimed.job.input.sha256);
   const AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters, *cloud,
                          *directory, claimed.job.wanted.front(), options_.limits,        ::getpid()};
-  AttemptResult result = runner_.run(spec, stop, *log, [&](double progress, std::string_view phase) {
-    jobs_.report(claim, progress, phase);
-  });
+  AttemptResult result = runner_.run(
+      spec, stop, *log, [&](double progress, std::string_view phase) { jobs_.report(claim, progress, phase); });
   log->close();
   log->line("outcome " + std::string(name_of(result.outcome)) + (result.error ? ": " + result.error->detail : ""));
   return result;

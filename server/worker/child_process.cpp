@@ -2,8 +2,9 @@
 
 #include <fcntl.h>
 #include <spawn.h>
-#include <sys/pidfd.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -30,6 +31,9 @@ Result<Pipe> make_pipe() {
   if (::fcntl(pipe.read.get(), F_SETFL, O_NONBLOCK) != 0) return system_error("make a pipe", errno);
   return pipe;
 }
+
+/// glibc 2.36 declares pidfd_open without C linkage, so that C++ cannot link it.
+int open_pidfd(pid_t pid) { return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)); }
 
 /// What posix_spawn is told, freed on every way out.
 class SpawnPlan {
@@ -85,7 +89,7 @@ Result<ChildProcess> ChildProcess::start(std::span<const std::string> command) {
     child.pid_ = -1;
     return system_error("start a child process", failed);
   }
-  child.pidfd_.reset(::pidfd_open(child.pid_, 0));
+  child.pidfd_.reset(open_pidfd(child.pid_));
   if (!child.pidfd_) return system_error("watch a child process", errno);
   child.messages_ = std::move(messages->read);
   child.output_ = std::move(output->read);

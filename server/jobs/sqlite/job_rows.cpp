@@ -63,6 +63,7 @@ JobRow read_job(const Query& query) {
   job.finished_at = time_at(query, 11);
   job.expires_at = time_at(query, 12);
   row.removed_at = query.text(13);
+  job.request_id = query.text(17);
   const auto wanted = nlohmann::json::parse(query.text(16), nullptr, false);
   if (wanted.is_array()) {
     for (const auto& name : wanted) job.wanted.push_back(name.get<std::string>());
@@ -124,8 +125,8 @@ void insert_job(Database& database, const NewJob& job, SystemTime time) {
   const std::string wanted = nlohmann::json(job.wanted).dump();
   const std::string created = to_rfc3339(time);
   Query(database,
-        "INSERT INTO jobs (id, method, parameters, status, input_key, input_bytes, input_sha256, wanted, ttl_seconds, "
-        "created_at) VALUES (?, ?, ?, 'accepted', ?, ?, ?, ?, ?, ?)")
+        "INSERT INTO jobs (id, method, parameters, status, input_key, input_bytes, input_sha256, wanted, request_id, "
+        "ttl_seconds, created_at) VALUES (?, ?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?)")
       .bind(job.id)
       .bind(job.method)
       .bind(parameters)
@@ -133,6 +134,7 @@ void insert_job(Database& database, const NewJob& job, SystemTime time) {
       .bind(static_cast<std::int64_t>(job.input.bytes))
       .bind(job.input.sha256)
       .bind(wanted)
+      .bind(job.request_id)
       .bind(std::int64_t{job.ttl.count()})
       .bind(created)
       .run();
@@ -144,12 +146,13 @@ std::optional<JobRow> select_job(Database& database, std::string_view id) {
   {
     Query query(database,
                 "SELECT id, method, parameters, status, attempt, input_key, input_bytes, input_sha256, ttl_seconds, "
-                "created_at, started_at, finished_at, expires_at, removed_at, error_code, error_detail, wanted, seq "
+                "created_at, started_at, finished_at, expires_at, removed_at, error_code, error_detail, wanted, "
+                "request_id, seq "
                 "FROM jobs WHERE id = ?");
     query.bind(id);
     if (!query.step()) return std::nullopt;
     row = read_job(query);
-    seq = query.number(17);
+    seq = query.number(18);
   }
   if (row->job.status == JobStatus::accepted) {
     Query query(database, "SELECT count(*) FROM jobs WHERE status = 'accepted' AND seq < ?");

@@ -24,6 +24,7 @@ CREATE TABLE jobs (
   input_bytes  INTEGER NOT NULL,
   input_sha256 TEXT NOT NULL,
   wanted       TEXT NOT NULL,
+  request_id   TEXT NOT NULL,
   ttl_seconds  INTEGER NOT NULL,
   created_at   TEXT NOT NULL,
   started_at   TEXT,
@@ -57,8 +58,9 @@ void migrate(Database& database) {
   }
   const auto newest = static_cast<std::int64_t>(kMigrations.size());
   if (version < 0 || version > newest) {
-    throw SqliteError(0, "the job store has version " + std::to_string(version) + ", this surfaced knows versions up to " +
-                             std::to_string(newest) + "; use the surfaced that wrote it, or a newer one");
+    throw SqliteError(0, "the job store has version " + std::to_string(version) +
+                             ", this surfaced knows versions up to " + std::to_string(newest) +
+                             "; use the surfaced that wrote it, or a newer one");
   }
   for (; version < newest; ++version) database.run(kMigrations.at(static_cast<std::size_t>(version)));
   database.run(("PRAGMA user_version = " + std::to_string(newest)).c_str());

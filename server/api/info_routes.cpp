@@ -1,0 +1,63 @@
+#include "api/routes.hpp"
+#include "http/problem.hpp"
+#include "proto/embedded.hpp"
+#include "reconstruction/reconstruction.hpp"
+
+namespace surfaced::api {
+namespace {
+
+using http::json_response;
+using http::problem_response;
+using http::Request;
+using http::Response;
+
+Json probe() { return {{"status", "ok"}, {"version", version()}}; }
+
+Response index(const Request& /*request*/) {
+  const auto link = [](const char* rel, const char* href, const char* title) {
+    return Json{{"rel", rel}, {"href", href}, {"type", "application/json"}, {"title", title}};
+  };
+  return json_response(200, {{"name", "surfaced"},
+                             {"version", version()},
+                             {"description", "Turns point clouds into meshes."},
+                             {"links", Json::array({link("service-desc", "/openapi.json", "The contract, OpenAPI 3.1"),
+                                                    link("methods", "/v1/methods", "The methods and their parameters"),
+                                                    link("reconstruct", "/v1/reconstruct", "POST a cloud, get a mesh"),
+                                                    link("jobs", "/v1/jobs", "POST a cloud, get a job")})}});
+}
+
+Response get_method(const Request& request) {
+  const auto method = find_method(request.path_parts.at("id"));
+  if (!method) return problem_response({ErrorCode::method_not_found, method.error().detail}, request);
+  return json_response(200, method_json(**method));
+}
+
+Response contract(const Request& /*request*/) {
+  Response response;
+  response.content_type = "application/json";
+  response.body = std::string(proto::openapi_json());
+  return response;
+}
+
+}  // namespace
+
+void add_info_routes(http::Router& router, JobService& service) {
+  router.add("GET", "/", index);
+  router.add("GET", "/openapi.json", contract);
+  router.add("GET", "/v1/methods", [](Request&) { return json_response(200, {{"methods", methods_json()}}); });
+  router.add("GET", "/v1/methods/{id}", get_method);
+  router.add("GET", "/healthz", [](Request&) { return json_response(200, probe()); });
+  router.add("GET", "/readyz", [&service](Request& request) {
+    const Status ready = service.ready();
+    if (ready) return json_response(200, probe());
+    return problem_response({ErrorCode::not_ready, ready.error().detail}, request);
+  });
+}
+
+void add_routes(http::Router& router, JobService& service, const RouteOptions& options) {
+  add_job_routes(router, service, options);
+  add_output_routes(router, service);
+  add_info_routes(router, service);
+}
+
+}  // namespace surfaced::api

@@ -1,0 +1,50 @@
+#include "api/job_json.hpp"
+
+#include "api/submission.hpp"
+#include "http/problem.hpp"
+
+namespace surfaced::api {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json time_json(const std::optional<SystemTime>& time) { return time ? Json(to_rfc3339(*time)) : Json(); }
+
+Json links_json(const Job& job) {
+  Json links = Json::array({Json{{"rel", "self"}, {"href", job_path(job.id)}, {"type", "application/json"}}});
+  for (const Output& output : job.outputs) {
+    links.push_back(Json{{"rel", "item"},
+                         {"href", output_path(job.id, output.name)},
+                         {"type", media_type_of(output.name)},
+                         {"title", output.name}});
+  }
+  return links;
+}
+
+}  // namespace
+
+std::string job_path(std::string_view id) { return "/v1/jobs/" + std::string(id); }
+
+std::string output_path(std::string_view id, std::string_view output) {
+  return job_path(id) + "/outputs/" + std::string(output);
+}
+
+Json job_json(const Job& job) {
+  return {{"id", job.id},
+          {"method", job.method},
+          {"parameters", job.parameters},
+          {"outputs", job.wanted},
+          {"status", name_of(job.status)},
+          {"progress", job.progress},
+          {"phase", job.phase.empty() ? Json() : Json(job.phase)},
+          {"queue_position", job.queue_position ? Json(*job.queue_position) : Json()},
+          {"attempt", job.attempt},
+          {"created_at", to_rfc3339(job.created_at)},
+          {"started_at", time_json(job.started_at)},
+          {"finished_at", time_json(job.finished_at)},
+          {"expires_at", time_json(job.expires_at)},
+          {"error", job.error ? http::problem_json(*job.error, job_path(job.id), job.request_id) : Json()},
+          {"links", links_json(job)}};
+}
+
+}  // namespace surfaced::api

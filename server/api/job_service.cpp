@@ -1,0 +1,110 @@
+#include "api/job_service.hpp"
+
+#include <memory>
+
+#include "platform/random.hpp"
+
+namespace surfaced::api {
+namespace {
+
+/// One of a bounded number of places, held while it lives.
+class Place {
+ public:
+  explicit Place(std::atomic<std::ptrdiff_t>& free) : free_(free), held_(free.fetch_sub(1) > 0) {}
+  ~Place() { free_.fetch_add(1); }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+  bool held() const { return held_; }
+
+ private:
+  std::atomic<std::ptrdiff_t>& free_;
+  bool held_;
+};
+
+}  // namespace
+
+JobService::JobService(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, Scheduler& scheduler,
+                       std::size_t waiters)
+    : jobs_(jobs),
+      artifacts_(artifacts),
+      events_(events),
+      scheduler_(scheduler),
+      free_waiters_(static_cast<std::ptrdiff_t>(waiters)) {}
+
+Result<Job> JobService::submit(const Submission& submission, http::BodySource& body, const std::string& request_id) {
+  if (!body.present()) {
+    return Error{ErrorCode::length_required, "the request has neither Content-Length nor Transfer-Encoding"};
+  }
+  if (body.length() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
+  if (Status room = jobs_.check_room(); !room.ok()) return room.error();
+  if (Status space = artifacts_.check_space(); !space.ok()) return space.error();
+  const std::string id = random_hex<16>();
+  const auto input = store_body(body, id);
+  if (!input) return input.error();
+  const NewJob job{id,         submission.method, submission.parameters, *input, submission.outputs,
+                   request_id, submission.ttl};
+  auto stored = jobs_.submit(job);
+  if (stored) {
+    scheduler_.wake();
+  } else if (stored.error().code == ErrorCode::queue_full) {
+    artifacts_.remove({{job.input.key}, {}});
+  }
+  // After any other failure it is not known whether the store has the job: its input stays, and the
+  // sweep at the next start decides.
+  return stored;
+}
+
+Result<StoredInput> JobService::store_body(http::BodySource& body, std::string_view key) {
+  auto upload = artifacts_.begin_upload();
+  if (!upload) return upload.error();
+  const Status read = body.read([&](std::span<const std::byte> bytes) { return (*upload)->write(bytes); });
+  if (!read) return read.error();
+  if ((*upload)->bytes() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
+  return (*upload)->commit(key);
+}
+
+Result<Job> JobService::wait(std::string_view id, std::chrono::milliseconds at_most) {
+  const auto deadline = std::chrono::steady_clock::now() + at_most;
+  const Place place(free_waiters_);
+  JobEvents::Subscription subscription(events_, id);
+  for (;;) {
+    auto job = jobs_.find(id);
+    if (!job || ended(job->status) || !place.held()) return job;
+    if (!subscription.wait_until(deadline)) return jobs_.find(id);
+  }
+}
+
+Result<JobService::Removal> JobService::dismiss(std::string_view id) {
+  auto before = jobs_.find(id);
+  if (!before) return before.error();
+  const auto dismissal = jobs_.dismiss(id);
+  if (!dismissal) return dismissal.error();
+  events_.changed(id);
+  if (dismissal->removed) {
+    artifacts_.remove(dismissal->garbage);
+    return Removal{std::move(*before), true};
+  }
+  scheduler_.cancel(id);
+  auto after = jobs_.find(id);
+  if (!after) return after.error();
+  return Removal{std::move(*after), false};
+}
+
+Result<http::BodyStream> JobService::open_output(const Job& job, const Output& output) {
+  auto reader = artifacts_.open_output({job.id, output.attempt}, output.name);
+  if (!reader) {
+    const auto now = jobs_.find(job.id);
+    return now ? reader.error() : now.error();
+  }
+  const std::shared_ptr<OutputReader> shared = std::move(*reader);
+  return http::BodyStream{shared->size(), [shared](std::uint64_t offset, std::span<std::byte> buffer) {
+                            return shared->read(offset, buffer);
+                          }};
+}
+
+Status JobService::ready() {
+  if (Status space = artifacts_.check_space(); !space.ok()) return space;
+  return jobs_.writable();
+}
+
+}  // namespace surfaced::api
