@@ -1,0 +1,252 @@
+// The command as a user meets it: exit codes, problems on stderr, and what bad input costs.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "io/io.hpp"
+#include "support/shapes.hpp"
+
+namespace surfaced {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+struct Ran {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+  double seconds = 0;
+  double peak_megabytes = 0;
+};
+
+std::string read_all(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+class Command : public ::testing::Test {
+ protected:
+  Command() : folder_(fs::temp_directory_path() / ("surfaced-command-" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~Command() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+    return folder_ / name;
+  }
+
+  fs::path sphere(std::size_t points = 500) const {
+    const auto bytes = encode_cloud_ply(testing::sphere_points(points), {}, {});
+    return write("sphere.ply", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  }
+
+  /// Runs the binary with standard output and error in files; measures wall time and peak memory.
+  Ran run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), SURFACED_BINARY);
+    std::vector<char*> argv;
+    for (std::string& each : arguments) argv.push_back(each.data());
+    argv.push_back(nullptr);
+    const auto begin = std::chrono::steady_clock::now();
+    const pid_t child = ::fork();
+    if (child == 0) {
+      ::dup2(::open((folder_ / "out").c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDOUT_FILENO);
+      ::dup2(::open((folder_ / "err").c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDERR_FILENO);
+      ::execv(SURFACED_BINARY, argv.data());
+      ::_exit(127);
+    }
+    int status = 0;
+    rusage usage{};
+    ::wait4(child, &status, 0, &usage);
+    Ran ran;
+    ran.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    ran.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    ran.out = read_all(folder_ / "out");
+    ran.err = read_all(folder_ / "err");
+    ran.peak_megabytes = static_cast<double>(usage.ru_maxrss) / 1024;
+    return ran;
+  }
+
+  Ran reconstruct(const fs::path& cloud, const std::string& mesh = "m.glb") const {
+    return run({"reconstruct", cloud, "-o", folder_ / mesh, "--method", "advancing-front"});
+  }
+
+  /// The one problem on stderr.
+  static nlohmann::json problem(const Ran& ran) { return nlohmann::json::parse(ran.err); }
+
+  fs::path folder_;
+};
+
+std::string ply(const std::string& format, const std::string& count, const std::string& type, const std::string& body) {
+  return "ply\nformat " + format + " 1.0\nelement vertex " + count + "\nproperty " + type + " x\nproperty " + type +
+         " y\nproperty " + type + " z\nend_header\n" + body;
+}
+
+TEST_F(Command, writes_a_mesh_and_a_report_and_says_nothing_else) {
+  const Ran ran = run({"reconstruct", sphere(), "-o", folder_ / "m.glb", "--report", folder_ / "r.json"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_EQ(ran.out + ran.err, "");
+  const auto report = nlohmann::json::parse(read_all(folder_ / "r.json"));
+  EXPECT_EQ(report.at("method"), "minimum-boundary");
+  EXPECT_EQ(report.at("mesh").at("closed"), true);
+  EXPECT_EQ(report.at("mesh").at("genus"), 0);
+  const Ran measured = run({"measure", folder_ / "m.glb", "--cloud", folder_ / "sphere.ply"});
+  EXPECT_EQ(measured.exit_code, 0) << measured.err;
+  EXPECT_EQ(nlohmann::json::parse(measured.out).at("mesh"), report.at("mesh"));
+}
+
+TEST_F(Command, mesh_does_not_depend_on_the_number_of_threads) {
+  const fs::path cloud = sphere(3000);
+  ASSERT_EQ(run({"reconstruct", cloud, "-o", folder_ / "a.glb", "--threads", "1"}).exit_code, 0);
+  ASSERT_EQ(run({"reconstruct", cloud, "-o", folder_ / "b.glb", "--threads", "2"}).exit_code, 0);
+  EXPECT_EQ(read_all(folder_ / "a.glb"), read_all(folder_ / "b.glb"));
+}
+
+TEST_F(Command, wrong_use_is_exit_code_2_with_a_problem) {
+  const std::string cloud = sphere();
+  const std::string mesh = folder_ / "m.glb";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{}, "invalid_usage"},
+      {{"fly"}, "invalid_usage"},
+      {{"reconstruct", cloud}, "invalid_usage"},
+      {{"reconstruct", cloud, "-o", mesh, "--threads", "0"}, "invalid_usage"},
+      {{"reconstruct", cloud, "-o", mesh, "--param", "beta"}, "invalid_usage"},
+      {{"reconstruct", cloud, "-o", mesh, "--output", "cloud"}, "invalid_usage"},
+      {{"reconstruct", cloud, "-o", mesh, "--method", "magic"}, "unknown_method"},
+      {{"reconstruct", cloud, "-o", mesh, "--param", "gamma=1"}, "unknown_parameter"},
+      {{"reconstruct", cloud, "-o", mesh, "--param", "variant=slow"}, "invalid_parameter"},
+      {{"reconstruct", cloud, "-o", folder_ / "m.xyz"}, "unknown_output"},
+      {{"reconstruct", cloud, "-o", folder_ / "no" / "such" / "m.glb"}, "output_not_writable"},
+  };
+  for (const auto& [arguments, code] : cases) {
+    const Ran ran = run(arguments);
+    EXPECT_EQ(ran.exit_code, 2) << code << ran.err;
+    EXPECT_EQ(problem(ran).at("code"), code) << ran.err;
+  }
+}
+
+TEST_F(Command, environment_variables_stand_in_for_flags) {
+  ::setenv("SURFACED_METHOD", "magic", 1);
+  const Ran ran = run({"reconstruct", sphere(), "-o", folder_ / "m.glb"});
+  ::unsetenv("SURFACED_METHOD");
+  EXPECT_EQ(problem(ran).at("code"), "unknown_method");
+}
+
+TEST_F(Command, an_input_that_is_not_there_is_exit_code_3) {
+  const Ran ran = reconstruct(folder_ / "nothing.ply");
+  EXPECT_EQ(ran.exit_code, 3);
+  EXPECT_EQ(problem(ran).at("code"), "input_unreadable");
+}
+
+/// Bytes that are no usable cloud, and the code that each must give.
+std::vector<std::tuple<std::string, std::string, std::vector<std::string>>> bad_inputs() {
+  const std::string le = "binary_little_endian";
+  std::string collinear;
+  std::string many_equal;
+  for (int i = 0; i < 20000; ++i) {
+    collinear += std::to_string(i) + " " + std::to_string(2 * i) + " 0\n";
+    many_equal += "1 2 3\n";
+  }
+  const std::string png = std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) + std::string(1000, 'x');
+  return {
+      {"empty", "", {"empty_input"}},
+      {"text", "the quick brown fox\n", {"unknown_format"}},
+      {"zeros", std::string(1 << 20, '\0'), {"unknown_format"}},
+      {"png named ply", png, {"unknown_format"}},
+      {"no header end", "ply\nformat ascii 1.0\n", {"truncated_input", "malformed_input"}},
+      {"endless header", "ply\n" + std::string(1 << 20, 'a'), {"malformed_input", "truncated_input"}},
+      {"binary truncated", ply(le, "1000", "float", std::string(6000, '\0')), {"truncated_input"}},
+      {"2^40 points",
+       ply(le, "1099511627776", "float", std::string(100, '\0')),
+       {"truncated_input", "too_many_points"}},
+      {"2^40 ascii points", ply("ascii", "1099511627776", "float", "0 0 0\n"), {"truncated_input", "too_many_points"}},
+      {"negative count", ply("ascii", "-5", "float", "0 0 0\n"), {"malformed_input"}},
+      {"count beyond 64 bits", ply("ascii", "99999999999999999999999", "float", ""), {"truncated_input"}},
+      {"no points", ply("ascii", "0", "float", ""), {"empty_input"}},
+      {"NaN", ply("ascii", "2", "float", "0 0 0\nnan 0 0\n"), {"coordinate_not_finite"}},
+      {"Inf", ply("ascii", "2", "double", "0 0 0\n0 inf 0\n"), {"coordinate_not_finite"}},
+      {"1e299", ply("ascii", "1", "double", "1e299 0 0\n"), {"coordinate_out_of_range"}},
+      {"equal points", ply("ascii", "20000", "float", many_equal), {"too_few_points"}},
+      {"two points", ply("ascii", "2", "float", "0 0 0\n1 1 1\n"), {"too_few_points"}},
+      {"collinear", ply("ascii", "20000", "float", collinear), {"collinear"}},
+      {"no z",
+       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n",
+       {"missing_positions"}},
+      {"letters for numbers", ply("ascii", "2", "float", "a b c\nd e f\n"), {"malformed_input"}},
+      {"draco of 61 bytes",
+       std::string("DRACO\x02\x02\0\0\0\0", 11) + std::string(50, '\x7f'),
+       {"malformed_input", "truncated_input", "unsupported_feature", "missing_positions"}},
+      {"draco cut", std::string("DRACO\x02\x02\0\0", 9), {"malformed_input", "truncated_input", "unsupported_feature"}},
+  };
+}
+
+TEST_F(Command, bad_input_ends_with_its_code_exit_3_within_2_seconds_and_200_megabytes) {
+  for (const auto& [name, bytes, codes] : bad_inputs()) {
+    const Ran ran = reconstruct(write("bad.ply", bytes));
+    EXPECT_EQ(ran.exit_code, 3) << name << ": " << ran.err;
+    ASSERT_TRUE(nlohmann::json::accept(ran.err)) << name << ": " << ran.err;
+    EXPECT_THAT(codes, ::testing::Contains(problem(ran).at("code").get<std::string>())) << name << ": " << ran.err;
+    EXPECT_LT(ran.seconds, 2.0) << name;
+    EXPECT_LT(ran.peak_megabytes, 200.0) << name;
+    EXPECT_FALSE(fs::exists(folder_ / "m.glb")) << name;
+  }
+}
+
+TEST_F(Command, coplanar_points_are_refused_by_the_method_that_needs_a_volume) {
+  std::vector<Point3> points = testing::random_points(100, 5);
+  for (Point3& p : points) p[2] = 0.5;
+  const auto bytes = encode_cloud_ply(points, {}, {});
+  const fs::path cloud = write("flat.ply", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  const Ran refused = run({"reconstruct", cloud, "-o", folder_ / "m.glb", "--method", "minimum-boundary"});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_EQ(problem(refused).at("code"), "coplanar");
+  EXPECT_EQ(reconstruct(cloud).exit_code, 0);
+}
+
+TEST_F(Command, a_normal_that_is_not_finite_is_dropped_with_a_warning) {
+  std::string body;
+  for (const Point3& p : testing::sphere_points(100)) {
+    for (const double x : p) body += std::to_string(x) + " ";
+    body += "nan 0 1\n";
+  }
+  const fs::path cloud =
+      write("normals.ply",
+            "ply\nformat ascii 1.0\nelement vertex 100\nproperty float x\nproperty float y\nproperty float "
+            "z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n" +
+                body);
+  const Ran ran = run({"reconstruct", cloud, "-o", folder_ / "m.glb", "--report", "-"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(nlohmann::json::parse(ran.out).at("warnings").dump(), HasSubstr("normals dropped"));
+}
+
+TEST_F(Command, every_shared_cloud_gives_a_mesh_whose_report_agrees_with_a_recount) {
+  if (!fs::exists(SURFACED_SHARED_DATA)) GTEST_SKIP() << "the shared clouds are not here";
+  for (const auto& entry : fs::directory_iterator(SURFACED_SHARED_DATA)) {
+    const std::string extension = entry.path().extension();
+    if (extension != ".ply" && extension != ".drc") continue;
+    const Ran ran =
+        run({"reconstruct", entry.path(), "-o", folder_ / "m.glb", "--method", "advancing-front", "--report", "-"});
+    ASSERT_EQ(ran.exit_code, 0) << entry.path() << ran.err;
+    const auto report = nlohmann::json::parse(ran.out);
+    const Ran recount = run({"measure", folder_ / "m.glb", "--cloud", entry.path()});
+    ASSERT_EQ(recount.exit_code, 0) << entry.path() << recount.err;
+    const auto measured = nlohmann::json::parse(recount.out);
+    EXPECT_EQ(measured.at("mesh"), report.at("mesh")) << entry.path();
+    EXPECT_EQ(measured.at("quality").at("unused_points"), report.at("quality").at("unused_points")) << entry.path();
+    EXPECT_TRUE(report.at("mesh").at("edge_manifold").get<bool>()) << entry.path();
+  }
+}
+
+}  // namespace
+}  // namespace surfaced
