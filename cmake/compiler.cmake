@@ -28,6 +28,9 @@ if(SURFACED_SANITIZE)
   add_compile_options(-fsanitize=${SURFACED_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${SURFACED_SANITIZE})
 endif()
+if(SURFACED_FUZZ)  # what libFuzzer steers by
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
 
 # One target carries the warnings, so that code of other projects compiled here goes without.
 add_library(surfaced_warnings INTERFACE)

@@ -1,6 +1,7 @@
 #include <draco/compression/encode.h>
 #include <draco/mesh/mesh.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <memory>
@@ -14,6 +15,8 @@ using draco::GeometryAttribute;
 
 /// Least and most effort of Draco; in between it decides by speed which predictions it tries.
 constexpr int kSpeed = 3;
+/// Bytes before the triangles: header and two counts.
+constexpr std::size_t kMostHeader = 11 + 5 + 5;
 constexpr int kLeastBits = 8;
 constexpr int kMostBits = 30;
 
@@ -37,6 +40,17 @@ void add_positions(draco::Mesh& target, const TriangleMesh& mesh, bool narrow) {
   add_attribute(target, GeometryAttribute::POSITION, draco::DT_FLOAT32, false, positions);
 }
 
+/// Sequential, because the other encoding, edgebreaker, reorders vertices and splits those that are not
+/// manifold.
+draco::Status encode(const draco::Mesh& mesh, std::optional<int> bits, draco::EncoderBuffer& buffer) {
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
+  encoder.SetSpeedOptions(kSpeed, kSpeed);
+  encoder.options().SetGlobalBool("compress_connectivity", true);
+  if (bits) encoder.SetAttributeQuantization(GeometryAttribute::POSITION, *bits);
+  return encoder.EncodeMeshToBuffer(mesh, &buffer);
+}
+
 }  // namespace
 
 Result<Bytes> write_draco(const TriangleMesh& mesh, const EncodeOptions& options) {
@@ -47,6 +61,11 @@ Result<Bytes> write_draco(const TriangleMesh& mesh, const EncodeOptions& options
     return Error{ErrorCode::invalid_parameter, "quantization is " + std::to_string(*bits) + " bits; " +
                                                    std::to_string(kLeastBits) + " to " + std::to_string(kMostBits) +
                                                    " are possible"};
+  }
+  if (mesh.positions.size() > 3 * mesh.triangles.size()) {  // its decoder takes that for a lie
+    return Error{ErrorCode::unsupported_feature, std::to_string(mesh.positions.size()) + " vertices in " +
+                                                     std::to_string(mesh.triangles.size()) +
+                                                     " triangles; a Draco mesh holds at most 3 vertices per triangle"};
   }
   draco::Mesh target;
   target.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
@@ -62,17 +81,15 @@ Result<Bytes> write_draco(const TriangleMesh& mesh, const EncodeOptions& options
     target.SetFace(draco::FaceIndex(f),
                    {draco::PointIndex(t[0].value), draco::PointIndex(t[1].value), draco::PointIndex(t[2].value)});
   }
-  // The other encoding, edgebreaker, reorders vertices and splits those that are not manifold.
-  draco::Encoder encoder;
-  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
-  encoder.SetSpeedOptions(kSpeed, kSpeed);
-  encoder.options().SetGlobalBool("compress_connectivity", true);
-  if (bits) encoder.SetAttributeQuantization(GeometryAttribute::POSITION, *bits);
   draco::EncoderBuffer buffer;
-  const draco::Status status = encoder.EncodeMeshToBuffer(target, &buffer);
+  const draco::Status status = encode(target, bits, buffer);
   if (!status.ok()) return Error{ErrorCode::internal_error, "Draco refused the mesh: " + status.error_msg_string()};
   const auto* begin = reinterpret_cast<const std::byte*>(buffer.data());
-  return Bytes(begin, begin + buffer.size());
+  Bytes bytes(begin, begin + buffer.size());
+  // Draco's decoder takes more triangles than a third of the bytes left for a lie, though its encoder can
+  // do better than that. It ignores bytes after the end, so a file too short for it is filled up.
+  bytes.resize(std::max(bytes.size(), kMostHeader + 3 * mesh.triangles.size()));
+  return bytes;
 }
 
 }  // namespace surfaced::io

@@ -37,6 +37,7 @@ struct Affine {
   bool only_shifts() const { return rows == Affine{}.rows; }
   Point3 turn(const Point3& p) const { return {dot(rows[0], p), dot(rows[1], p), dot(rows[2], p)}; }
   Point3 operator()(const Point3& p) const {
+    if (shift == Point3{} && only_shifts()) return p;  // adding 0 would turn -0 into 0
     const Point3 turned = only_shifts() ? p : turn(p);
     return {turned[0] + shift[0], turned[1] + shift[1], turned[2] + shift[2]};
   }

@@ -9,10 +9,6 @@
 namespace surfaced::io {
 namespace {
 
-/// Longest text taken as one value; the longest exact decimal of a double has 1,077 characters, but
-/// nobody writes more than 17 digits.
-constexpr std::size_t kTokenRoom = 512;
-
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
@@ -83,13 +79,13 @@ std::pair<double, double> range_of(Scalar type) {
 
 std::string_view AsciiRows::after_blanks() {
   for (;;) {
-    const std::string_view window = text_of(source_.peek(kTokenRoom));
+    const std::string_view window = text_of(source_.peek(kTokenLimit));
     std::size_t blanks = 0;
     while (blanks < window.size() && is_blank(window[blanks])) ++blanks;
     source_.advance(blanks);
     if (blanks < window.size() || window.empty()) {
       const std::string_view rest = window.substr(blanks);
-      return rest.size() >= kTokenRoom ? rest : text_of(source_.peek(kTokenRoom));
+      return rest.size() >= kTokenLimit ? rest : text_of(source_.peek(kTokenLimit));
     }
   }
 }
@@ -106,7 +102,7 @@ bool AsciiRows::begin_row() {
 std::string_view AsciiRows::token() {
   const std::string_view rest = after_blanks();
   std::size_t length = 0;
-  const std::size_t most = std::min(rest.size(), kTokenRoom);
+  const std::size_t most = std::min(rest.size(), kTokenLimit);
   while (length < most && !is_blank(rest[length]) && !is_line_end(rest[length])) ++length;
   source_.advance(length);
   return rest.substr(0, length);
@@ -118,6 +114,7 @@ bool AsciiRows::at_line_end() {
 }
 
 bool parse_number(std::string_view text, Scalar type, double& value) {
+  if (text.size() >= kTokenLimit) return false;
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   if (type == Scalar::float32) return parse_floating<float>(text, value);
   if (type == Scalar::float64) return parse_floating<double>(text, value);

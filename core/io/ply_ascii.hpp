@@ -9,6 +9,9 @@
 
 namespace surfaced::io {
 
+/// Text of this length is no number any more; nobody writes more than 17 digits.
+constexpr std::size_t kTokenLimit = 512;
+
 class AsciiRows {
  public:
   explicit AsciiRows(ByteSource& source) : source_(source) {}
@@ -16,8 +19,8 @@ class AsciiRows {
   /// Moves to the next line that is not blank; false at the end of the input.
   bool begin_row();
 
-  /// Next value of the line as text, empty where the line ends. Lives until the next call. Text longer
-  /// than any number comes in pieces, which are no numbers.
+  /// Next value of the line as text, empty where the line ends. Lives until the next call. Longer text
+  /// comes in pieces of kTokenLimit.
   std::string_view token();
 
   /// True if nothing but blanks is left of the line.

@@ -87,7 +87,7 @@ class Lines {
 
   std::size_t number() const { return number_; }
   std::size_t consumed() const { return consumed_; }
-  bool out_of_room() const { return wanted_ >= kHeaderLimit; }
+  bool out_of_room() const { return source_.remaining() >= kHeaderLimit; }
 
  private:
   std::string_view text() {

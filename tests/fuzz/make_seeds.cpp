@@ -1,0 +1,89 @@
+// Writes the seeds of the fuzz targets: one small file for every way a reader can take.
+//   build/fuzz/make_seeds tests/fuzz/seeds
+#include <iostream>
+
+#include "io/io.hpp"
+#include "support/draco_files.hpp"
+#include "support/ply_files.hpp"
+#include "support/shapes.hpp"
+
+namespace {
+
+using namespace surfaced;
+using namespace surfaced::testing;
+
+std::filesystem::path folder;
+bool failed = false;
+
+void save(const std::string& name, std::span<const std::byte> bytes) {
+  const std::filesystem::path path = folder / name;
+  std::filesystem::create_directories(path.parent_path());
+  if (const Status status = write_file(path, bytes); !status) {
+    std::cerr << status.error().detail << '\n';
+    failed = true;
+  }
+}
+
+void save_text(const std::string& name, std::string_view text) { save(name, bytes_of(text)); }
+
+TriangleMesh painted(TriangleMesh mesh) {
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    mesh.normals.push_back({0, 0.6F, 0.8F});
+    mesh.colors.push_back({static_cast<std::uint8_t>(i), 100, 200, 255});
+  }
+  return mesh;
+}
+
+void save_ply_seeds() {
+  const std::string header =
+      "element vertex 3\nproperty double y\nproperty list uchar short tags\nproperty float x\nproperty int z\n"
+      "property float nx\nproperty float ny\nproperty float nz\nproperty ushort red\nproperty ushort green\n"
+      "property ushort blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string rows =
+      "0.5 2 7 -7 1.25 3 0 0 1 9 99 999\n1e3 0 nan -3 0 1 0 65535 0 1\n-inf 1 4 1.5 2 1 0 0 4 5 6\n3 0 1 2\n";
+  save_text("ply/ascii.ply", "ply\nformat ascii 1.0\ncomment by hand\n" + header + rows);
+  save_text("ply/crlf.ply", with_crlf("ply\nformat ascii 1.0\nobj_info by hand\n" + header + rows));
+  for (const bool big : {false, true}) {
+    PlyBuilder ply(big ? PlyForm::big : PlyForm::little);
+    ply.element("vertex", 2).property("float", "x").property("float", "y").property("double", "z");
+    ply.list("uchar", "int", "ring").property("uchar", "red").property("uchar", "green").property("uchar", "blue");
+    ply.value("float", 1.5).value("float", 2).value("double", 3.25).list_value("uchar", "int", {7, 8});
+    ply.value("uchar", 1).value("uchar", 2).value("uchar", 3);
+    ply.value("float", -1).value("float", 0).value("double", 1e300).list_value("uchar", "int", {});
+    ply.value("uchar", 4).value("uchar", 5).value("uchar", 6);
+    save(big ? "ply/lists_big.ply" : "ply/lists_little.ply", ply.bytes());
+  }
+  const TriangleMesh mesh = painted(tetrahedron());
+  save("ply/cloud.ply", encode_cloud_ply(mesh.positions, mesh.normals, mesh.colors));
+}
+
+void save_draco_seeds() {
+  for (const DracoFile& file : small_draco_files()) save("draco/" + file.name + ".drc", file.bytes);
+}
+
+void save_mesh_seeds() {
+  const TriangleMesh mesh = painted(tetrahedron());
+  TriangleMesh far = mesh;
+  for (Point3& p : far.positions) p = {p[0] + 5.4e6, p[1] + 0.1, p[2]};
+  const EncodeOptions up{.quantization_bits = {}, .up = UpAxis::z, .extras_json = R"({"a":[null,{"b":1}]})"};
+  save("mesh/painted.glb", encode_mesh(mesh, MeshFormat::glb).value());
+  save("mesh/far.glb", encode_mesh(far, MeshFormat::glb, up).value());
+  save("mesh/painted.gltf", encode_mesh(mesh, MeshFormat::gltf).value());
+  save("mesh/painted.ply", encode_mesh(mesh, MeshFormat::ply).value());
+  save("mesh/painted.drc", encode_mesh(mesh, MeshFormat::drc).value());
+  save_text("mesh/nodes.gltf", kTwoNodes);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::cerr << "make_seeds FOLDER\n";
+    return 2;
+  }
+  folder = arguments[1];
+  save_ply_seeds();
+  save_draco_seeds();
+  save_mesh_seeds();
+  return failed ? 1 : 0;
+}
