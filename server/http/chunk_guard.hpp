@@ -16,7 +16,18 @@ class ChunkGuard {
   bool complete() const { return state_ == State::complete; }
 
  private:
-  enum class State : std::uint8_t { size, extension, size_end, data, data_cr, data_lf, last_cr, last_lf, complete, broken };
+  enum class State : std::uint8_t {
+    size,
+    extension,
+    size_end,
+    data,
+    data_cr,
+    data_lf,
+    last_cr,
+    last_lf,
+    complete,
+    broken
+  };
   State step(char byte);
   State in_size(char byte);
 

@@ -56,7 +56,8 @@ bool not_modified(const Headers& headers, std::string_view etag) {
 Result<std::optional<ByteRange>> requested_range(const Headers& headers, std::string_view etag, std::uint64_t size) {
   const auto value = headers.find("Range");
   if (!value || headers.count("Range") > 1) return std::optional<ByteRange>();
-  if (const auto condition = headers.find("If-Range"); condition && *condition != etag) return std::optional<ByteRange>();
+  if (const auto condition = headers.find("If-Range"); condition && *condition != etag)
+    return std::optional<ByteRange>();
   const auto spec = parse_range(*value);
   if (!spec) return std::optional<ByteRange>();
   const std::uint64_t first = spec->first ? *spec->first : size - std::min(size, *spec->last);
@@ -68,7 +69,8 @@ Result<std::optional<ByteRange>> requested_range(const Headers& headers, std::st
   return std::optional(ByteRange{first, end - first});
 }
 
-Response conditional_response(const Request& request, std::string_view etag, std::string content_type, BodyStream body) {
+Response conditional_response(const Request& request, std::string_view etag, std::string content_type,
+                              BodyStream body) {
   const std::uint64_t size = body.length;
   const auto range = requested_range(request.headers, etag, size);
   Response response;
@@ -84,12 +86,13 @@ Response conditional_response(const Request& request, std::string_view etag, std
     const ByteRange part = **range;
     response.status = 206;
     response.headers.add("Content-Range", "bytes " + std::to_string(part.offset) + "-" +
-                                              std::to_string(part.offset + part.length - 1) + "/" + std::to_string(size));
-    response.body = BodyStream{part.length, [read = std::move(body.read), part](std::uint64_t offset,
-                                                                                std::span<std::byte> buffer) {
-                                 const auto count = std::min<std::uint64_t>(buffer.size(), part.length - offset);
-                                 return read(part.offset + offset, buffer.first(count));
-                               }};
+                                              std::to_string(part.offset + part.length - 1) + "/" +
+                                              std::to_string(size));
+    response.body =
+        BodyStream{part.length, [read = std::move(body.read), part](std::uint64_t offset, std::span<std::byte> buffer) {
+                     const auto count = std::min<std::uint64_t>(buffer.size(), part.length - offset);
+                     return read(part.offset + offset, buffer.first(count));
+                   }};
   } else {
     response.body = std::move(body);
   }

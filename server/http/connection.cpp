@@ -85,8 +85,8 @@ Result<std::optional<std::string>> Connection::read_head() {
     searched = unread.size() < kEnd.size() ? 0 : unread.size() - kEnd.size() + 1;
     if (fill(deadline)) continue;
     if (!too_slow_) return std::optional<std::string>();
-    return Error{ErrorCode::request_timeout, "the headers did not arrive within " +
-                                                 std::to_string(limits_.head_time.count()) + " ms"};
+    return Error{ErrorCode::request_timeout,
+                 "the headers did not arrive within " + std::to_string(limits_.head_time.count()) + " ms"};
   }
 }
 
@@ -137,10 +137,9 @@ std::string Connection::remote_address() const {
   socklen_t size = sizeof address;
   std::array<char, INET6_ADDRSTRLEN> text{};
   if (::getpeername(fd_.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
-  const void* const number =
-      address.ss_family == AF_INET6
-          ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in6*>(&address)->sin6_addr)
-          : static_cast<const void*>(&reinterpret_cast<const sockaddr_in*>(&address)->sin_addr);
+  const void* const number = address.ss_family == AF_INET6
+                                 ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in6*>(&address)->sin6_addr)
+                                 : static_cast<const void*>(&reinterpret_cast<const sockaddr_in*>(&address)->sin_addr);
   const char* const written = ::inet_ntop(address.ss_family, number, text.data(), text.size());
   return written == nullptr ? std::string() : std::string(written);
 }

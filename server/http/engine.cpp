@@ -98,9 +98,9 @@ class GuardedBody final : public BodySource {
     if (connection_.too_slow()) {
       return Error{ErrorCode::request_timeout, "the body came too slowly; " + std::to_string(total) + " bytes arrived"};
     }
-    return Error{ErrorCode::invalid_request, stream_.broken() ? "the chunks of the body break the rules of HTTP"
-                                                              : "the body ended after " + std::to_string(total) +
-                                                                    " bytes, before its end"};
+    return Error{ErrorCode::invalid_request,
+                 stream_.broken() ? "the chunks of the body break the rules of HTTP"
+                                  : "the body ended after " + std::to_string(total) + " bytes, before its end"};
   }
 
  private:
@@ -136,14 +136,15 @@ void copy_body(Response& from, httplib::Response& to) {
   // The library does not take a provider of nothing.
   if (stream.length == 0) return;
   const auto length = static_cast<std::size_t>(stream.length);
-  to.set_content_provider(length, from.content_type,
-                          [read = std::move(stream.read)](std::size_t offset, std::size_t left, httplib::DataSink& sink) {
-                            std::vector<std::byte> buffer(std::min(left, kSendBytes));
-                            const auto count = read(offset, buffer);
-                            // The head is sent, so a failure can only be shown by breaking off.
-                            if (!count || *count == 0) return false;
-                            return sink.write(reinterpret_cast<const char*>(buffer.data()), *count);
-                          });
+  to.set_content_provider(
+      length, from.content_type,
+      [read = std::move(stream.read)](std::size_t offset, std::size_t left, httplib::DataSink& sink) {
+        std::vector<std::byte> buffer(std::min(left, kSendBytes));
+        const auto count = read(offset, buffer);
+        // The head is sent, so a failure can only be shown by breaking off.
+        if (!count || *count == 0) return false;
+        return sink.write(reinterpret_cast<const char*>(buffer.data()), *count);
+      });
 }
 
 void answer(httplib::Response& to) {
@@ -172,7 +173,8 @@ void finish_headers(httplib::Response& to) {
 /// The request as the library sees it: enough to find the body's end and to leave the body of an
 /// answer to HEAD away.
 std::string head_for_library(const RequestHead& head) {
-  std::string text = (head.method == "GET" || head.method == "HEAD" ? head.method : std::string("POST")) + " / HTTP/1.1\r\n";
+  std::string text =
+      (head.method == "GET" || head.method == "HEAD" ? head.method : std::string("POST")) + " / HTTP/1.1\r\n";
   if (const auto* length = std::get_if<LengthBody>(&head.framing)) {
     text += "Content-Length: " + std::to_string(length->bytes) + "\r\n";
   } else if (std::holds_alternative<ChunkedBody>(head.framing)) {

@@ -25,8 +25,8 @@ const Table& table() {
     const Json json = Json::parse(proto::errors_json());
     Table made{json.at("type_base").get<std::string>(), {}};
     for (const Json& error : json.at("errors")) {
-      made.rows.push_back({error.at("title").get<std::string>(), error.at("hint").get<std::string>(),
-                           error.at("status").get<int>()});
+      made.rows.push_back(
+          {error.at("title").get<std::string>(), error.at("hint").get<std::string>(), error.at("status").get<int>()});
     }
     return made;
   }();

@@ -136,9 +136,10 @@ void Server::turn_away(UniqueFd client) {
   const Error error{ErrorCode::not_ready, "all connections of the server are taken"};
   const std::string id = random_hex<12>();
   const std::string body = text_of(problem_json(error, {}, id));
-  const std::string answer = "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nContent-Length: " +
-                             std::to_string(body.size()) + "\r\nConnection: close\r\nRetry-After: 1\r\nX-Request-Id: " + id +
-                             "\r\n\r\n" + body;
+  const std::string answer =
+      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nContent-Length: " +
+      std::to_string(body.size()) + "\r\nConnection: close\r\nRetry-After: 1\r\nX-Request-Id: " + id + "\r\n\r\n" +
+      body;
   // What has arrived is taken first, or the close would reset the connection before the answer is read.
   std::array<char, 16384> dropped{};
   while (::recv(client.get(), dropped.data(), dropped.size(), MSG_DONTWAIT) > 0) {

@@ -4,9 +4,9 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
-#include <map>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -43,7 +43,8 @@ struct ServerLimits {
 class Server {
  public:
   /// Binds and listens; port 0 takes a free one. invalid_usage if the address cannot be had.
-  static Result<std::unique_ptr<Server>> listen(const Address& address, const ServerLimits& limits, const Router& router);
+  static Result<std::unique_ptr<Server>> listen(const Address& address, const ServerLimits& limits,
+                                                const Router& router);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;

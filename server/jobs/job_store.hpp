@@ -61,7 +61,8 @@ class JobStore {
   /// The attempt is over. Its outputs and the job's new state become visible together.
   /// @param error  unless the outcome is `done`
   /// @return the job's state after it, or none if the claim did not hold any more: then nothing changed.
-  virtual Result<std::optional<JobStatus>> settle(const Claim& claim, Outcome outcome, const std::optional<Error>& error,
+  virtual Result<std::optional<JobStatus>> settle(const Claim& claim, Outcome outcome,
+                                                  const std::optional<Error>& error,
                                                   const std::vector<Output>& outputs) = 0;
 
   /// Dismisses an active job, removes an ended one; job_not_found, job_gone.

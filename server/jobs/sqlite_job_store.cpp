@@ -180,8 +180,8 @@ class SqliteJobStore final : public JobStore {
   Status room_in(Database& database) const {
     const auto waiting = count_accepted(database);
     if (waiting < limits_.queue) return Done{};
-    return Error{ErrorCode::queue_full, std::to_string(waiting) + " jobs are waiting, the limit is " +
-                                            std::to_string(limits_.queue)};
+    return Error{ErrorCode::queue_full,
+                 std::to_string(waiting) + " jobs are waiting, the limit is " + std::to_string(limits_.queue)};
   }
 
   static Status present(const std::optional<JobRow>& row, std::string_view id) {

@@ -18,6 +18,7 @@ struct JobStoreLimits {
 /// Opens or creates the job store in this file. One server uses it at a time (the data directory is
 /// locked before).
 /// @return internal_error if SQLite cannot open it or a newer surfaced has written it.
-Result<std::unique_ptr<JobStore>> open_sqlite_job_store(const std::filesystem::path& file, const JobStoreLimits& limits);
+Result<std::unique_ptr<JobStore>> open_sqlite_job_store(const std::filesystem::path& file,
+                                                        const JobStoreLimits& limits);
 
 }  // namespace surfaced

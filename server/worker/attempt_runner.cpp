@@ -98,7 +98,8 @@ class Watch {
     return drain(child_.messages(), kMaxLeftover, [&](std::string_view bytes) {
       splitter_.add(bytes, [&](std::string_view line) {
         const Message message = decode_message(line);
-        if (const auto* progress = std::get_if<ProgressMessage>(&message)) progress_(progress->progress, progress->phase);
+        if (const auto* progress = std::get_if<ProgressMessage>(&message))
+          progress_(progress->progress, progress->phase);
         if (const auto* problem = std::get_if<Error>(&message)) problem_ = *problem;
       });
     });

@@ -33,7 +33,8 @@ class AttemptRunner {
   explicit AttemptRunner(std::vector<std::string> command) : command_(std::move(command)) {}
 
   /// Blocks until the child is gone: at most the limit of time and the grace.
-  AttemptResult run(const AttemptSpec& spec, const StopSignal& stop, AttemptLog& log, const ProgressSink& progress) const;
+  AttemptResult run(const AttemptSpec& spec, const StopSignal& stop, AttemptLog& log,
+                    const ProgressSink& progress) const;
 
  private:
   std::vector<std::string> command_;

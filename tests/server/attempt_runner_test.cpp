@@ -1,0 +1,163 @@
+#include "worker/attempt_runner.hpp"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "support/temporary_directory.hpp"
+
+namespace surfaced {
+namespace {
+
+using ::testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
+class AttemptRunnerTest : public ::testing::Test {
+ protected:
+  AttemptResult run(const std::string& behaviour) {
+    std::filesystem::remove_all(directory_.path() / "a");
+    std::filesystem::create_directory(directory_.path() / "a");
+    auto log = AttemptLog::create(directory_.path() / "a/log.txt").value();
+    const AttemptSpec spec{
+        {"job", 1}, "m",       {{"behave", behaviour}}, "/dev/null", directory_.path() / "a", "mesh.glb",
+        limits_,    ::getpid()};
+    const auto began = Clock::now();
+    AttemptResult result = runner_.run(spec, stop_, log, [&](double fraction, std::string_view phase) {
+      progress_ = fraction;
+      phase_ = phase;
+      if (stop_on_progress_) stop_.stop(Outcome::cancelled);
+    });
+    log.close();
+    elapsed_ = Clock::now() - began;
+    return result;
+  }
+  std::string log_text() const {
+    std::ostringstream text;
+    text << std::ifstream(directory_.path() / "a/log.txt").rdbuf();
+    return text.str();
+  }
+
+  testing::TemporaryDirectory directory_;
+  AttemptLimits limits_{std::uint64_t{256} << 20, 1000, std::uint64_t{1} << 30, std::chrono::seconds(30), 1};
+  AttemptRunner runner_{{SURFACED_STAND_IN}};
+  StopSignal stop_;
+  bool stop_on_progress_ = false;
+  double progress_ = 0;
+  std::string phase_;
+  Clock::duration elapsed_{};
+};
+
+TEST_F(AttemptRunnerTest, a_child_that_ends_well_is_done) {
+  const AttemptResult result = run("done");
+  EXPECT_EQ(result.outcome, Outcome::done) << (result.error ? result.error->detail : "");
+  EXPECT_EQ(progress_, 0.5);
+  EXPECT_EQ(phase_, "half");
+}
+
+TEST_F(AttemptRunnerTest, a_refused_input_keeps_its_own_code) {
+  const AttemptResult result = run("refuse");
+  EXPECT_EQ(result.outcome, Outcome::input_invalid);
+  EXPECT_EQ(result.error->code, ErrorCode::collinear);
+}
+
+TEST_F(AttemptRunnerTest, a_crash_names_its_signal) {
+  const AttemptResult result = run("crash");
+  EXPECT_EQ(result.outcome, Outcome::crashed);
+  // A sanitizer takes the signal and exits by itself.
+  if (!kSanitized) EXPECT_THAT(result.error->detail, HasSubstr("SIGSEGV"));
+}
+
+TEST_F(AttemptRunnerTest, an_exit_without_a_reason_is_a_crash) {
+  const AttemptResult result = run("exit 7");
+  EXPECT_EQ(result.outcome, Outcome::crashed);
+  EXPECT_THAT(result.error->detail, HasSubstr("exit code 7"));
+}
+
+TEST_F(AttemptRunnerTest, a_child_that_allocates_without_end_meets_its_limit) {
+  if (kSanitized) GTEST_SKIP() << "the limit of memory is off under a sanitizer";
+  EXPECT_EQ(run("allocate").outcome, Outcome::out_of_memory);
+}
+
+TEST_F(AttemptRunnerTest, a_child_that_hangs_is_stopped_at_its_limit_of_time) {
+  limits_.time = std::chrono::seconds(1);
+  const AttemptResult result = run("hang");
+  EXPECT_EQ(result.outcome, Outcome::timed_out);
+  EXPECT_THAT(result.error->detail, HasSubstr("limit of 1 s"));
+  EXPECT_LT(elapsed_, std::chrono::milliseconds(1900));
+}
+
+TEST_F(AttemptRunnerTest, a_child_that_spins_is_stopped_at_its_limit_of_time) {
+  limits_.time = std::chrono::seconds(1);
+  EXPECT_EQ(run("spin").outcome, Outcome::timed_out);
+}
+
+TEST_F(AttemptRunnerTest, cancelling_ends_a_child_at_once) {
+  stop_on_progress_ = true;
+  EXPECT_EQ(run("hang").outcome, Outcome::cancelled);
+  EXPECT_LT(elapsed_, std::chrono::seconds(1));
+}
+
+TEST_F(AttemptRunnerTest, cancelling_kills_a_child_that_does_not_listen) {
+  stop_on_progress_ = true;
+  EXPECT_EQ(run("hang deaf").outcome, Outcome::cancelled);
+  EXPECT_LT(elapsed_, std::chrono::seconds(2));
+}
+
+TEST_F(AttemptRunnerTest, what_a_child_left_running_is_killed_with_it) {
+  EXPECT_EQ(run("fork").outcome, Outcome::done);
+  // The grandchild held the pipes open; that must not have made the server wait.
+  EXPECT_LT(elapsed_, std::chrono::seconds(5));
+}
+
+TEST_F(AttemptRunnerTest, garbage_on_the_pipe_is_dropped_and_the_log_is_capped) {
+  EXPECT_EQ(run("shout").outcome, Outcome::done);
+  EXPECT_EQ(progress_, 0.5);
+  const std::string log = log_text();
+  EXPECT_LT(log.size(), (std::size_t{1} << 20) + 200);
+  EXPECT_THAT(log.substr(log.size() - 120), HasSubstr("bytes of output were left out; the limit is 1048576"));
+}
+
+TEST_F(AttemptRunnerTest, a_command_that_cannot_be_started_loses_the_attempt_and_nothing_else) {
+  runner_ = AttemptRunner({"/nonexistent/surfaced"});
+  const AttemptResult result = run("done");
+  EXPECT_EQ(result.outcome, Outcome::lost);
+  EXPECT_THAT(result.error->detail, HasSubstr("start a child process"));
+}
+
+TEST(AttemptProtocolTest, a_description_comes_back_as_it_was) {
+  const AttemptSpec spec{{"j", 4}, "m",        {{"a", "\xFF"}, {"b", 1.5}},           "/c",
+                         "/d",     "mesh.ply", {1, 2, 3, std::chrono::seconds(4), 5}, 6};
+  const AttemptSpec back = decode_attempt(encode(spec)).value();
+  EXPECT_EQ(back.claim.attempt, 4U);
+  EXPECT_EQ(back.parameters.at("b"), 1.5);
+  EXPECT_EQ(back.mesh, "mesh.ply");
+  EXPECT_EQ(back.limits.time, std::chrono::seconds(4));
+  EXPECT_EQ(back.parent, 6);
+}
+
+TEST(AttemptProtocolTest, a_description_that_lacks_a_field_is_wrong_use) {
+  EXPECT_EQ(decode_attempt("{}").error().code, ErrorCode::invalid_usage);
+  EXPECT_EQ(decode_attempt("nonsense").error().code, ErrorCode::invalid_usage);
+}
+
+TEST(AttemptProtocolTest, messages_that_are_none_are_dropped) {
+  for (const char* line :
+       {"", "1", "null", "[]", "{}", R"({"progress":"x"})", R"({"progress":-1})", R"({"progress":1e999})",
+        R"({"code":"nope"})", R"({"code":1})", "{\"progress\":0.5", "\xFF"}) {
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(decode_message(line))) << line;
+  }
+  EXPECT_EQ(std::get<Error>(decode_message(R"({"code":"collinear","detail":"d"})")).detail, "d");
+}
+
+}  // namespace
+}  // namespace surfaced

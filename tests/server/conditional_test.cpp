@@ -1,0 +1,64 @@
+#include "http/conditional.hpp"
+
+#include <gtest/gtest.h>
+
+namespace surfaced::http {
+namespace {
+
+constexpr std::string_view kEtag = "\"abc\"";
+
+Headers with(const std::string& name, const std::string& value) {
+  Headers headers;
+  headers.add(name, value);
+  return headers;
+}
+
+std::string range_of(const Headers& headers, std::uint64_t size = 100) {
+  const auto range = requested_range(headers, kEtag, size);
+  if (!range) return std::string(name_of(range.error().code));
+  if (!range->has_value()) return "whole";
+  return std::to_string((*range)->offset) + "+" + std::to_string((*range)->length);
+}
+
+TEST(ConditionalTest, one_range_is_read_in_its_three_forms) {
+  EXPECT_EQ(range_of(with("Range", "bytes=0-3")), "0+4");
+  EXPECT_EQ(range_of(with("Range", "Bytes=90-")), "90+10");
+  EXPECT_EQ(range_of(with("Range", "bytes=-5")), "95+5");
+  EXPECT_EQ(range_of(with("Range", "bytes=-500")), "0+100");
+  EXPECT_EQ(range_of(with("Range", "bytes=99-1000")), "99+1");
+  EXPECT_EQ(range_of(with("Range", "bytes=0-18446744073709551615")), "0+100");
+}
+
+TEST(ConditionalTest, a_range_behind_the_end_cannot_be_served) {
+  EXPECT_EQ(range_of(with("Range", "bytes=100-")), "range_not_satisfiable");
+  EXPECT_EQ(range_of(with("Range", "bytes=-0")), "range_not_satisfiable");
+  EXPECT_EQ(range_of(with("Range", "bytes=0-0"), 0), "range_not_satisfiable");
+  EXPECT_EQ(range_of(with("Range", "bytes=-1"), 0), "range_not_satisfiable");
+}
+
+TEST(ConditionalTest, several_ranges_and_nonsense_give_the_whole) {
+  for (const char* value : {"bytes=0-1,2-3", "bytes=", "bytes=-", "bytes=5-2", "lines=1-2", "bytes=a-b", "bytes=1",
+                            "bytes=99999999999999999999-", "bytes=+1-2", ""}) {
+    EXPECT_EQ(range_of(with("Range", value)), "whole") << value;
+  }
+}
+
+TEST(ConditionalTest, if_range_asks_for_the_part_only_of_the_same_file) {
+  Headers same = with("Range", "bytes=0-3");
+  same.add("If-Range", std::string(kEtag));
+  EXPECT_EQ(range_of(same), "0+4");
+  Headers other = with("Range", "bytes=0-3");
+  other.add("If-Range", "\"other\"");
+  EXPECT_EQ(range_of(other), "whole");
+}
+
+TEST(ConditionalTest, if_none_match_knows_lists_weak_tags_and_the_star) {
+  EXPECT_TRUE(not_modified(with("If-None-Match", "\"abc\""), kEtag));
+  EXPECT_TRUE(not_modified(with("If-None-Match", "\"x\", W/\"abc\""), kEtag));
+  EXPECT_TRUE(not_modified(with("If-None-Match", "*"), kEtag));
+  EXPECT_FALSE(not_modified(with("If-None-Match", "\"ab\""), kEtag));
+  EXPECT_FALSE(not_modified({}, kEtag));
+}
+
+}  // namespace
+}  // namespace surfaced::http

@@ -1,0 +1,341 @@
+// The attacks of which cpp-httplib 0.11.4 dies, on the server as it stands behind the guard.
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <zlib.h>
+
+#include <atomic>
+#include <fstream>
+#include <thread>
+
+#include "http/conditional.hpp"
+#include "http/problem.hpp"
+#include "http/server.hpp"
+#include "support/http_client.hpp"
+
+namespace surfaced::http {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::Answer;
+using testing::call;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::RawConnection;
+
+constexpr std::uint64_t kBodyLimit = std::uint64_t{1} << 20;
+
+class HttpGuardTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    router_.add("GET", "/hello", [](Request& request) {
+      return json_response(
+          200, {{"address", request.remote_address}, {"header", request.headers.find("REMOTE_ADDR").value_or("")}});
+    });
+    router_.add("GET", "/big", [](Request& request) {
+      return conditional_response(request, "\"big\"", "application/octet-stream",
+                                  {std::uint64_t{8} << 20, [](std::uint64_t, std::span<std::byte> buffer) {
+                                     std::ranges::fill(buffer, std::byte{'b'});
+                                     return Result<std::size_t>(buffer.size());
+                                   }});
+    });
+    router_.add("GET", "/throw", [](Request&) -> Response { throw std::runtime_error("secret"); });
+    router_.add("POST", "/ignore", [](Request& request) {
+      return problem_response({ErrorCode::not_found, "no"}, request);
+    });
+    router_.add("POST", "/count", [this](Request& request) {
+      std::uint64_t total = 0;
+      const Status read = request.body->read([&](std::span<const std::byte> bytes) {
+        total += bytes.size();
+        return Status(Done{});
+      });
+      seen_ = total;
+      return read ? json_response(200, {{"bytes", total}}) : problem_response(read.error(), request);
+    });
+    limits_.body_bytes = kBodyLimit;
+    limits_.threads = 8;
+    limits_.waiting = 4;
+    limits_.connection.head_time = milliseconds(700);
+    limits_.connection.idle_time = milliseconds(300);
+    limits_.connection.body_grace = milliseconds(500);
+    start();
+  }
+  void start() {
+    server_ = Server::listen({"127.0.0.1", 0}, limits_, router_).value();
+    const std::string url = server_->url();
+    port_ = static_cast<std::uint16_t>(std::stoul(url.substr(url.rfind(':') + 1)));
+    server_->start();
+  }
+  std::string code_of(const Answer& answer) const {
+    const Json json = Json::parse(answer.body, nullptr, false);
+    return json.is_object() ? json.value("code", "") : "";
+  }
+
+  Router router_;
+  ServerLimits limits_;
+  std::unique_ptr<Server> server_;
+  std::uint16_t port_ = 0;
+  std::atomic<std::uint64_t> seen_ = 0;
+};
+
+const std::string kPost = "POST /count HTTP/1.1\r\nHost: h\r\n";
+
+TEST_F(HttpGuardTest, several_requests_use_one_connection) {
+  RawConnection connection(port_);
+  for (int i = 0; i < 5; ++i) {
+    connection.send("GET /hello HTTP/1.1\r\nHost: h\r\n\r\n");
+    EXPECT_EQ(connection.read_answer().status, 200);
+    connection.send(kPost + "Content-Length: 3\r\n\r\nabc");
+    EXPECT_THAT(connection.read_answer().body, HasSubstr("\"bytes\":3"));
+    connection.send(kPost + "Transfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n2\r\nde\r\n0\r\n\r\n");
+    EXPECT_THAT(connection.read_answer().body, HasSubstr("\"bytes\":5"));
+  }
+}
+
+TEST_F(HttpGuardTest, requests_sent_in_one_piece_are_answered_in_their_order) {
+  RawConnection connection(port_);
+  connection.send(kPost + "Content-Length: 3\r\n\r\nabc" + kPost + "Content-Length: 4\r\n\r\nabcd" +
+                  "HEAD /hello HTTP/1.1\r\nHost: h\r\n\r\n");
+  EXPECT_THAT(connection.read_answer().body, HasSubstr("\"bytes\":3"));
+  EXPECT_THAT(connection.read_answer().body, HasSubstr("\"bytes\":4"));
+  const Answer head = connection.read_answer(true);
+  EXPECT_EQ(head.status, 200);
+  EXPECT_NE(head.headers.at("content-length"), "0");
+}
+
+TEST_F(HttpGuardTest, a_length_over_the_limit_is_refused_unread) {
+  RawConnection connection(port_);
+  connection.send(kPost + "Content-Length: 99999999999\r\n\r\n");
+  const Answer answer = connection.read_answer();
+  EXPECT_EQ(answer.status, 413);
+  EXPECT_EQ(code_of(answer), "payload_too_large");
+  EXPECT_EQ(answer.headers.at("connection"), "close");
+}
+
+TEST_F(HttpGuardTest, a_chunked_body_over_the_limit_is_cut_off) {
+  RawConnection connection(port_);
+  connection.send(kPost + "Transfer-Encoding: chunked\r\n\r\n");
+  const std::string chunk = "10000\r\n" + std::string(0x10000, 'x') + "\r\n";
+  for (int i = 0; i < 1024 && connection.send(chunk); ++i) {
+  }
+  connection.send("0\r\n\r\n");
+  const Answer answer = connection.read_answer();
+  EXPECT_EQ(answer.status, 413);
+  EXPECT_LE(seen_, kBodyLimit);
+}
+
+TEST_F(HttpGuardTest, a_gzip_bomb_stays_compressed) {
+  std::string bomb(1 << 16, '\0');
+  z_stream stream{};
+  ASSERT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  std::string zeros(32 << 20, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(zeros.data());
+  stream.avail_in = static_cast<uInt>(zeros.size());
+  stream.next_out = reinterpret_cast<Bytef*>(bomb.data());
+  stream.avail_out = static_cast<uInt>(bomb.size());
+  ASSERT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  bomb.resize(stream.total_out);
+  deflateEnd(&stream);
+  const Answer answer = call(port_, "POST", "/count", bomb, {{"Content-Encoding", "gzip"}});
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(seen_, bomb.size());
+}
+
+TEST_F(HttpGuardTest, broken_chunks_are_no_body) {
+  for (const char* chunks : {"3\r\nabcd\r\n0\r\n\r\n", "+3\r\nabc\r\n0\r\n\r\n", "0x3\r\nabc\r\n0\r\n\r\n", "zz\r\n",
+                             "3\r\nabcX\r\n", "-1\r\n\r\n", "0\r\nTrailer: x\r\n\r\n"}) {
+    RawConnection connection(port_);
+    connection.send(kPost + "Transfer-Encoding: chunked\r\n\r\n" + chunks);
+    const Answer answer = connection.read_answer();
+    EXPECT_EQ(answer.status, 400) << chunks;
+    EXPECT_EQ(code_of(answer), "invalid_request") << chunks;
+    EXPECT_TRUE(connection.closes_within(milliseconds(4000))) << chunks;
+  }
+}
+
+TEST_F(HttpGuardTest, a_body_that_breaks_off_is_no_body) {
+  for (const char* rest : {"Content-Length: 10\r\n\r\nabc", "Transfer-Encoding: chunked\r\n\r\n3\r\nab"}) {
+    RawConnection connection(port_);
+    connection.send(kPost + rest);
+    connection.end();
+    EXPECT_EQ(connection.read_answer().status, 400) << rest;
+  }
+}
+
+TEST_F(HttpGuardTest, length_and_chunks_together_are_refused_and_the_connection_ends) {
+  RawConnection connection(port_);
+  connection.send(
+      kPost + "Content-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\nGET /hello HTTP/1.1\r\nHost: h\r\n\r\n");
+  const Answer answer = connection.read_answer();
+  EXPECT_EQ(answer.status, 400);
+  EXPECT_EQ(answer.headers.at("connection"), "close");
+  EXPECT_EQ(connection.read_answer().status, 0);
+}
+
+TEST_F(HttpGuardTest, an_unread_body_is_not_taken_for_the_next_request) {
+  RawConnection connection(port_);
+  connection.send(
+      "POST /ignore HTTP/1.1\r\nHost: h\r\nContent-Length: 44\r\n\r\nGET /hello HTTP/1.1\r\nHost: h\r\n\r\nGET /hello");
+  EXPECT_EQ(connection.read_answer().status, 404);
+  EXPECT_EQ(connection.read_answer().status, 0);
+}
+
+TEST_F(HttpGuardTest, endless_headers_end) {
+  {
+    RawConnection connection(port_);
+    connection.send("GET /hello HTTP/1.1\r\nHost: h\r\nX: ");
+    const std::string piece(4096, 'x');
+    for (int i = 0; i < 64 && connection.send(piece); ++i) {
+    }
+    EXPECT_EQ(connection.read_answer().status, 431);
+  }
+  RawConnection connection(port_);
+  connection.send("GET /hello HTTP/1.1\r\n");
+  for (int i = 0; i < 100'000 && connection.send("A: b\r\n"); ++i) {
+  }
+  EXPECT_EQ(connection.read_answer().status, 431);
+}
+
+TEST_F(HttpGuardTest, a_long_request_line_is_too_long) {
+  RawConnection connection(port_);
+  connection.send("GET /" + std::string(9000, 'a') + " HTTP/1.1\r\nHost: h\r\n\r\n");
+  EXPECT_EQ(connection.read_answer().status, 414);
+}
+
+TEST_F(HttpGuardTest, headers_that_trickle_meet_one_deadline) {
+  RawConnection connection(port_);
+  const auto began = std::chrono::steady_clock::now();
+  connection.send("GET /hello HTTP/1.1\r\nHost: h\r\n");
+  for (int i = 0; i < 20 && connection.send("A"); ++i) std::this_thread::sleep_for(milliseconds(100));
+  const Answer answer = connection.read_answer();
+  EXPECT_EQ(answer.status, 408);
+  EXPECT_EQ(code_of(answer), "request_timeout");
+  EXPECT_LT(std::chrono::steady_clock::now() - began, milliseconds(3000));
+}
+
+TEST_F(HttpGuardTest, a_body_that_trickles_is_too_slow) {
+  RawConnection connection(port_);
+  connection.send(kPost + "Content-Length: 1000\r\n\r\nabc");
+  const Answer answer = connection.read_answer(false, milliseconds(3000));
+  EXPECT_EQ(answer.status, 408);
+}
+
+TEST_F(HttpGuardTest, an_idle_connection_is_closed_in_silence) {
+  RawConnection connection(port_);
+  connection.send("GET /hello HTTP/1.1\r\nHost: h\r\n\r\n");
+  EXPECT_EQ(connection.read_answer().status, 200);
+  EXPECT_TRUE(connection.closes_within(milliseconds(1500)));
+}
+
+TEST_F(HttpGuardTest, eight_slow_clients_do_not_starve_the_ninth_for_longer_than_the_deadline) {
+  std::vector<std::unique_ptr<RawConnection>> slow;
+  for (int i = 0; i < 8; ++i) {
+    slow.push_back(std::make_unique<RawConnection>(port_));
+    slow.back()->send("GET /hello HTTP/1.1\r\n");
+  }
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, milliseconds(2000));
+}
+
+TEST_F(HttpGuardTest, connections_beyond_the_bound_are_answered_503) {
+  std::vector<std::unique_ptr<RawConnection>> held;
+  for (int i = 0; i < 40; ++i) held.push_back(std::make_unique<RawConnection>(port_));
+  int turned_away = 0;
+  for (auto& each : held) turned_away += each->read_answer(false, milliseconds(50)).status == 503 ? 1 : 0;
+  EXPECT_GE(turned_away, 20);
+  held.clear();
+  std::this_thread::sleep_for(milliseconds(100));
+  EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
+}
+
+TEST_F(HttpGuardTest, overlapping_ranges_are_not_multiplied) {
+  std::string ranges = "bytes=0-";
+  for (int i = 1; i < 500; ++i) ranges += "," + std::to_string(i) + "-";
+  const Answer answer = call(port_, "GET", "/big", {}, {{"Range", ranges}});
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.body.size(), std::size_t{8} << 20);
+  const Answer part = call(port_, "GET", "/big", {}, {{"Range", "bytes=5-9"}});
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.body, "bbbbb");
+  EXPECT_EQ(part.headers.at("content-range"), "bytes 5-9/8388608");
+  const Answer none = call(port_, "GET", "/big", {}, {{"If-None-Match", "\"big\""}});
+  EXPECT_EQ(none.status, 304);
+  EXPECT_FALSE(none.headers.contains("content-length"));
+  const Answer behind = call(port_, "GET", "/big", {}, {{"Range", "bytes=8388608-"}});
+  EXPECT_EQ(behind.status, 416);
+  EXPECT_EQ(behind.headers.at("content-range"), "bytes */8388608");
+  const Answer head = call(port_, "HEAD", "/big");
+  EXPECT_EQ(head.headers.at("content-length"), "8388608");
+}
+
+TEST_F(HttpGuardTest, a_client_cannot_say_where_it_comes_from) {
+  const Answer answer = call(port_, "GET", "/hello", {}, {{"REMOTE_ADDR", "10.1.2.3"}});
+  EXPECT_THAT(answer.body, HasSubstr(R"("address":"127.0.0.1")"));
+  EXPECT_THAT(answer.body, HasSubstr(R"("header":"10.1.2.3")"));
+}
+
+TEST_F(HttpGuardTest, an_exception_says_nothing_to_the_client) {
+  const Answer answer = call(port_, "GET", "/throw");
+  EXPECT_EQ(answer.status, 500);
+  EXPECT_EQ(code_of(answer), "internal_error");
+  EXPECT_THAT(answer.body, Not(HasSubstr("secret")));
+  for (const auto& [name, value] : answer.headers) EXPECT_THAT(value, Not(HasSubstr("secret"))) << name;
+}
+
+TEST_F(HttpGuardTest, unknown_paths_and_methods_are_problems_with_allow) {
+  EXPECT_EQ(code_of(call(port_, "GET", "/nowhere")), "not_found");
+  const Answer wrong = call(port_, "DELETE", "/hello");
+  EXPECT_EQ(wrong.status, 405);
+  EXPECT_EQ(wrong.headers.at("allow"), "GET, HEAD");
+  EXPECT_EQ(call(port_, "PROPFIND", "/hello").status, 405);
+  EXPECT_EQ(wrong.headers.at("content-type"), "application/problem+json");
+}
+
+TEST_F(HttpGuardTest, bytes_that_are_no_http_get_an_answer_and_the_end) {
+  RawConnection connection(port_);
+  connection.send(std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xFC\x03\x03\r\n\r\n", 15));
+  EXPECT_EQ(connection.read_answer().status, 400);
+  EXPECT_TRUE(connection.closes_within(milliseconds(4000)));
+}
+
+TEST_F(HttpGuardTest, a_client_that_waits_for_continue_gets_it_only_if_its_body_is_wanted) {
+  RawConnection wanted(port_);
+  wanted.send(kPost + "Expect: 100-continue\r\nContent-Length: 3\r\n\r\n");
+  std::this_thread::sleep_for(milliseconds(50));
+  wanted.send("abc");
+  EXPECT_EQ(wanted.read_answer().status, 200);
+  RawConnection refused(port_);
+  refused.send("POST /ignore HTTP/1.1\r\nHost: h\r\nExpect: 100-continue\r\nContent-Length: 3\r\n\r\n");
+  EXPECT_EQ(refused.read_answer().status, 404);
+}
+
+TEST_F(HttpGuardTest, stopping_ends_idle_connections_at_once_and_frees_the_port) {
+  RawConnection idle(port_);
+  const auto began = std::chrono::steady_clock::now();
+  server_->stop(std::chrono::seconds(10));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
+  EXPECT_THROW(RawConnection again(port_), std::runtime_error);
+}
+
+TEST(HttpServerTest, an_address_in_use_is_named) {
+  const Router router;
+  const auto first = Server::listen({"127.0.0.1", 0}, {}, router).value();
+  const std::string url = first->url();
+  const auto port = static_cast<std::uint16_t>(std::stoul(url.substr(url.rfind(':') + 1)));
+  const auto second = Server::listen({"127.0.0.1", port}, {}, router);
+  ASSERT_FALSE(second.ok());
+  EXPECT_EQ(second.error().code, ErrorCode::invalid_usage);
+  EXPECT_THAT(second.error().detail,
+              HasSubstr("127.0.0.1:" + std::to_string(port) + ": cannot listen there: Address already in use"));
+}
+
+TEST(HttpServerTest, addresses_are_read_strictly) {
+  EXPECT_EQ(parse_address("[::1]:80").value().host, "::1");
+  EXPECT_EQ(parse_address("localhost:0").value().port, 0);
+  for (const char* text : {"", ":80", "host", "host:", "host:x", "host:65536", "host:-1", "::1:80", "host:80 "}) {
+    EXPECT_FALSE(parse_address(text).ok()) << text;
+  }
+}
+
+}  // namespace
+}  // namespace surfaced::http

@@ -1,0 +1,138 @@
+#include "jobs/scheduler.hpp"
+
+#include <gmock/gmock.h>
+
+#include <optional>
+
+#include "artifacts/file_artifact_store.hpp"
+#include "jobs/sqlite_job_store.hpp"
+#include "platform/files.hpp"
+#include "platform/random.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace surfaced {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SchedulerTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    jobs_ = open_sqlite_job_store(directory_.path() / "jobs.sqlite", {}).value();
+    artifacts_ = open_file_artifact_store(directory_.path(), 0).value();
+    start();
+  }
+  void start() {
+    const AttemptLimits limits{std::uint64_t{256} << 20, 1000, std::uint64_t{1} << 30, std::chrono::seconds(20), 1};
+    scheduler_.emplace(*jobs_, *artifacts_, events_, runner_, Scheduler::Options{2, limits});
+    scheduler_->start();
+  }
+  std::string submit(const std::string& behaviour) {
+    const std::string id = random_hex<16>();
+    auto upload = artifacts_->begin_upload().value();
+    EXPECT_TRUE(upload->write(as_bytes("cloud")).ok());
+    const NewJob job{id,
+                     "m",
+                     {{"behave", behaviour}},
+                     upload->commit(id).value(),
+                     {"mesh.glb", "report.json", "log.txt"},
+                     "r",
+                     std::chrono::hours(1)};
+    EXPECT_TRUE(jobs_->submit(job).ok());
+    scheduler_->wake();
+    return id;
+  }
+  /// The job once it satisfies the condition.
+  Job wait_for(const std::string& id, const std::function<bool(const Job&)>& condition) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    JobEvents::Subscription subscription(events_, id);
+    for (;;) {
+      Job job = jobs_->find(id).value();
+      if (condition(job) || std::chrono::steady_clock::now() > deadline) return job;
+      subscription.wait_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(20));
+    }
+  }
+  Job wait_for_end(const std::string& id) {
+    return wait_for(id, [](const Job& job) { return ended(job.status); });
+  }
+  std::size_t attempts_on_disk() const {
+    const std::filesystem::directory_iterator entries(directory_.path() / "attempts");
+    return static_cast<std::size_t>(std::distance(begin(entries), end(entries)));
+  }
+
+  testing::TemporaryDirectory directory_;
+  std::unique_ptr<JobStore> jobs_;
+  std::unique_ptr<ArtifactStore> artifacts_;
+  JobEvents events_;
+  AttemptRunner runner_{{SURFACED_STAND_IN}};
+  std::optional<Scheduler> scheduler_;
+};
+
+TEST_F(SchedulerTest, a_job_ends_with_its_three_outputs) {
+  const Job job = wait_for_end(submit("done"));
+  EXPECT_EQ(job.status, JobStatus::successful);
+  EXPECT_EQ(job.outputs.size(), 3U);
+  EXPECT_EQ(attempts_on_disk(), 0U);
+}
+
+TEST_F(SchedulerTest, a_job_that_crashes_once_succeeds_at_the_second_attempt) {
+  const Job job = wait_for_end(submit("crash once"));
+  EXPECT_EQ(job.status, JobStatus::successful);
+  EXPECT_EQ(job.attempt, 2U);
+}
+
+TEST_F(SchedulerTest, a_job_that_always_crashes_fails_after_two_attempts_and_keeps_its_log) {
+  const Job job = wait_for_end(submit("crash"));
+  EXPECT_EQ(job.status, JobStatus::failed);
+  EXPECT_EQ(job.attempt, 2U);
+  EXPECT_EQ(job.error->code, ErrorCode::crashed);
+  ASSERT_EQ(job.outputs.size(), 1U);
+  EXPECT_EQ(job.outputs.front().name, "log.txt");
+  std::array<std::byte, 4096> bytes{};
+  const auto log = artifacts_->open_output({job.id, job.attempt}, "log.txt").value();
+  const std::size_t size = log->read(0, bytes).value();
+  EXPECT_THAT(std::string(reinterpret_cast<const char*>(bytes.data()), size), HasSubstr("outcome crashed"));
+}
+
+TEST_F(SchedulerTest, outputs_that_are_missing_or_links_never_become_results) {
+  EXPECT_EQ(wait_for_end(submit("nothing")).error->code, ErrorCode::crashed);
+  const std::string litter = submit("litter");
+  const Job tried = wait_for(litter, [](const Job& job) { return job.attempt > 1 || ended(job.status); });
+  EXPECT_NE(tried.status, JobStatus::successful);
+}
+
+TEST_F(SchedulerTest, a_dismissed_job_stops_within_two_seconds_and_leaves_nothing) {
+  const std::string id = submit("hang deaf");
+  wait_for(id, [](const Job& job) { return job.phase == "hanging"; });
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_FALSE(jobs_->dismiss(id).value().removed);
+  scheduler_->cancel(id);
+  while (attempts_on_disk() > 0 && std::chrono::steady_clock::now() - began < std::chrono::seconds(5)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
+  EXPECT_EQ(jobs_->find(id).value().status, JobStatus::dismissed);
+}
+
+TEST_F(SchedulerTest, draining_gives_running_jobs_back_without_counting_it) {
+  const std::string id = submit("hang");
+  wait_for(id, [](const Job& job) { return job.phase == "hanging"; });
+  scheduler_->drain(std::chrono::milliseconds(50));
+  const Job job = jobs_->find(id).value();
+  EXPECT_EQ(job.status, JobStatus::accepted);
+  EXPECT_FALSE(job.error.has_value());
+  EXPECT_EQ(attempts_on_disk(), 0U);
+}
+
+TEST_F(SchedulerTest, many_jobs_of_all_kinds_end_each_as_it_should) {
+  std::vector<std::pair<std::string, JobStatus>> submitted;
+  for (int i = 0; i < 10; ++i) {
+    submitted.emplace_back(submit("done"), JobStatus::successful);
+    submitted.emplace_back(submit("refuse"), JobStatus::failed);
+    submitted.emplace_back(submit("crash once"), JobStatus::successful);
+  }
+  for (const auto& [id, status] : submitted) EXPECT_EQ(wait_for_end(id).status, status);
+}
+
+}  // namespace
+}  // namespace surfaced
