@@ -234,11 +234,13 @@ After Engine::exchange(Connection& connection, const Result<RequestHead>& head) 
     exchange.refusal = query.error();
   }
   if (!head) exchange.refusal = head.error();
+  const bool too_slow = connection.too_slow();
   connection.begin_transfer();
   current = &exchange;
   const bool written = library_->run(stream);
   current = nullptr;
-  if (!written) return After::close;
+  // Who was too slow has nothing on its way that is worth a thread.
+  if (!written || too_slow || connection.too_slow()) return After::close;
   if (!head || !stream.body_complete()) return After::drain;
   return exchange.close ? After::close : After::keep;
 }

@@ -24,13 +24,21 @@ constexpr bool kSanitized = false;
 
 class AttemptRunnerTest : public ::testing::Test {
  protected:
+  AttemptSpec spec_for(const std::string& behaviour) const {
+    AttemptSpec spec;
+    spec.claim = {"job", 1};
+    spec.parameters = {{"behave", behaviour}};
+    spec.directory = directory_.path() / "a";
+    spec.mesh = "mesh.glb";
+    spec.limits = limits_;
+    spec.parent = ::getpid();
+    return spec;
+  }
   AttemptResult run(const std::string& behaviour) {
     std::filesystem::remove_all(directory_.path() / "a");
     std::filesystem::create_directory(directory_.path() / "a");
     auto log = AttemptLog::create(directory_.path() / "a/log.txt").value();
-    const AttemptSpec spec{
-        {"job", 1}, "m",       {{"behave", behaviour}}, "/dev/null", directory_.path() / "a", "mesh.glb",
-        limits_,    ::getpid()};
+    const AttemptSpec spec = spec_for(behaviour);
     const auto began = Clock::now();
     AttemptResult result = runner_.run(spec, stop_, log, [&](double fraction, std::string_view phase) {
       progress_ = fraction;
@@ -74,7 +82,9 @@ TEST_F(AttemptRunnerTest, a_crash_names_its_signal) {
   const AttemptResult result = run("crash");
   EXPECT_EQ(result.outcome, Outcome::crashed);
   // A sanitizer takes the signal and exits by itself.
-  if (!kSanitized) EXPECT_THAT(result.error->detail, HasSubstr("SIGSEGV"));
+  if (!kSanitized) {
+    EXPECT_THAT(result.error->detail, HasSubstr("SIGSEGV"));
+  }
 }
 
 TEST_F(AttemptRunnerTest, an_exit_without_a_reason_is_a_crash) {
@@ -135,8 +145,12 @@ TEST_F(AttemptRunnerTest, a_command_that_cannot_be_started_loses_the_attempt_and
 }
 
 TEST(AttemptProtocolTest, a_description_comes_back_as_it_was) {
-  const AttemptSpec spec{{"j", 4}, "m",        {{"a", "\xFF"}, {"b", 1.5}},           "/c",
-                         "/d",     "mesh.ply", {1, 2, 3, std::chrono::seconds(4), 5}, 6};
+  AttemptSpec spec;
+  spec.claim = {"j", 4};
+  spec.parameters = {{"a", "\xFF"}, {"b", 1.5}};
+  spec.mesh = "mesh.ply";
+  spec.limits.time = std::chrono::seconds(4);
+  spec.parent = 6;
   const AttemptSpec back = decode_attempt(encode(spec)).value();
   EXPECT_EQ(back.claim.attempt, 4U);
   EXPECT_EQ(back.parameters.at("b"), 1.5);

@@ -32,9 +32,13 @@ class ServerProcess {
     for (int i = 0; i < 600 && port_ == 0; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       read_port(out);
-      if (::waitpid(pid_, nullptr, WNOHANG) == pid_) break;
+      int status = 0;
+      if (::waitpid(pid_, &status, WNOHANG) == pid_) {
+        pid_ = -1;
+        throw std::runtime_error("the server ended at once with status " + std::to_string(status));
+      }
     }
-    if (port_ == 0) throw std::runtime_error("the server did not start");
+    if (port_ == 0) throw std::runtime_error("the server does not listen");
   }
   ~ServerProcess() {
     if (pid_ > 0) end(SIGKILL);
