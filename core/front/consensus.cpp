@@ -1,0 +1,223 @@
+// Pre-pass of paper 2's front: triangles that the local triangulations of all three vertices contain.
+#include "front/consensus.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.hpp"
+
+namespace surfaced::front {
+namespace {
+
+constexpr std::uint32_t kNone = VertexIndex::kNone;
+
+/// The vertices before and after w in the star of v; none beyond the ends of an open star.
+struct Beside {
+  std::uint32_t before = kNone;
+  std::uint32_t after = kNone;
+};
+
+Beside beside(const LocalStars& stars, std::size_t v, std::uint32_t w) {
+  const auto star = stars.star(v);
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    if (star[i] != w) continue;
+    const bool closed = stars.closed(v);
+    Beside b;
+    if (i > 0 || closed) b.before = star[i > 0 ? i - 1 : star.size() - 1];
+    if (i + 1 < star.size() || closed) b.after = star[i + 1 < star.size() ? i + 1 : 0];
+    return b;
+  }
+  return {};
+}
+
+/// Corners i and i+1 of the star.
+struct Corners {
+  std::uint32_t first;
+  std::uint32_t second;
+};
+Corners corners(std::span<const std::uint32_t> star, std::size_t i) {
+  return {star[i], star[i + 1 < star.size() ? i + 1 : 0]};
+}
+
+std::uint32_t mask_of(const LocalStars& stars, std::size_t v) {
+  const auto star = stars.star(v);
+  const std::size_t count = stars.triangles(v);
+  std::uint32_t in_first = 0;   // triangle i is in the star of its first corner
+  std::uint32_t in_second = 0;  // and of its second
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    const Beside b = beside(stars, star[i], static_cast<std::uint32_t>(v));
+    if (i < count) {
+      const std::uint32_t next = corners(star, i).second;
+      if (next == b.before || next == b.after) in_first |= 1U << i;
+    }
+    const std::size_t previous = i > 0 ? i - 1 : star.size() - 1;
+    if (previous < count) {
+      const std::uint32_t other = star[previous];
+      if (other == b.before || other == b.after) in_second |= 1U << previous;
+    }
+  }
+  return in_first & in_second;
+}
+
+/// Disjoint sets of vertices that know whether two members have the same side up.
+class SidedSets {
+ public:
+  explicit SidedSets(std::size_t n) : link_(n) {
+    for (std::size_t v = 0; v < n; ++v) link_[v] = static_cast<std::uint32_t>(v) << 1U;
+  }
+
+  /// Root of v, and in the lowest bit whether v is turned over against it.
+  std::uint32_t find(std::uint32_t v) {
+    std::uint32_t turned = 0;
+    std::uint32_t at = v;
+    while (link_[at] >> 1U != at) {
+      const std::uint32_t up = link_[at];
+      const std::uint32_t above = link_[up >> 1U];
+      link_[at] = above ^ (up & 1U);
+      turned ^= link_[at] & 1U;
+      at = link_[at] >> 1U;
+    }
+    return at << 1U | turned;
+  }
+
+  /// Demands that a and b have the same side up, or (turned = 1) opposite ones. False if that contradicts earlier
+  /// demands.
+  bool unite(std::uint32_t a, std::uint32_t b, std::uint32_t turned) {
+    const std::uint32_t ra = find(a);
+    const std::uint32_t rb = find(b);
+    turned ^= (ra ^ rb) & 1U;
+    if (ra >> 1U == rb >> 1U) return turned == 0;
+    const std::uint32_t low = std::min(ra >> 1U, rb >> 1U);
+    const std::uint32_t high = std::max(ra >> 1U, rb >> 1U);
+    link_[high] = low << 1U | turned;
+    return true;
+  }
+
+  bool apart(std::uint32_t a, std::uint32_t b) { return find(a) >> 1U != find(b) >> 1U; }
+
+ private:
+  std::vector<std::uint32_t> link_;  // 2 * parent + turned against it
+};
+
+/// Whether triangle (v, first, second) has the opposite orientation in the star of `first`.
+std::uint32_t turned_at_first(const LocalStars& stars, std::uint32_t v, Corners c) {
+  return beside(stars, c.first, v).before == c.second ? 0 : 1;
+}
+std::uint32_t turned_at_second(const LocalStars& stars, std::uint32_t v, Corners c) {
+  return beside(stars, c.second, v).after == c.first ? 0 : 1;
+}
+
+/// Takes face i of v, with corners c, from the masks of its three vertices.
+void drop_face(const LocalStars& stars, FaceMasks& faces, std::uint32_t v, Corners c) {
+  const std::array<std::uint32_t, 3> all{v, c.first, c.second};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto star = stars.star(all[k]);
+    for (std::size_t i = 0; i < stars.triangles(all[k]); ++i) {
+      const Corners d = corners(star, i);
+      const bool same = (d.first == all[(k + 1) % 3] && d.second == all[(k + 2) % 3]) ||
+                        (d.second == all[(k + 1) % 3] && d.first == all[(k + 2) % 3]);
+      if (same) faces[all[k]] &= ~(1U << i);
+    }
+  }
+}
+
+std::uint32_t full_mask(std::size_t triangles) { return triangles >= 32 ? 0xFFFFFFFFU : (1U << triangles) - 1; }
+
+std::size_t unite_across_faces(const LocalStars& stars, FaceMasks& faces, SidedSets& sets) {
+  std::size_t dropped = 0;
+  for (std::uint32_t v = 0; v < stars.points(); ++v) {
+    const auto star = stars.star(v);
+    for (std::size_t i = 0; i < stars.triangles(v); ++i) {
+      if ((faces[v] >> i & 1U) == 0) continue;
+      const Corners c = corners(star, i);
+      if (v > c.first || v > c.second) continue;
+      if (sets.unite(v, c.first, turned_at_first(stars, v, c)) &&
+          sets.unite(v, c.second, turned_at_second(stars, v, c)))
+        continue;
+      drop_face(stars, faces, v, c);
+      ++dropped;
+    }
+  }
+  return dropped;
+}
+
+void unite_across_shared_triangles(const LocalStars& stars, const FaceMasks& faces, SidedSets& sets) {
+  for (std::uint32_t v = 0; v < stars.points(); ++v) {
+    if (faces[v] == full_mask(stars.triangles(v))) continue;
+    const auto star = stars.star(v);
+    for (std::size_t i = 0; i < stars.triangles(v); ++i) {
+      if ((faces[v] >> i & 1U) != 0) continue;
+      const Corners c = corners(star, i);
+      const Beside at_first = beside(stars, c.first, v);
+      if (at_first.before == c.second || at_first.after == c.second)
+        sets.unite(v, c.first, turned_at_first(stars, v, c));
+      const Beside at_second = beside(stars, c.second, v);
+      if (at_second.before == c.first || at_second.after == c.first)
+        sets.unite(v, c.second, turned_at_second(stars, v, c));
+    }
+  }
+}
+
+double parallelism(const LocalStars& stars, std::uint32_t a, std::uint32_t b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    sum += static_cast<double>(stars.normals[a][k]) * static_cast<double>(stars.normals[b][k]);
+  }
+  return sum;
+}
+
+void unite_along_edges(const LocalStars& stars, const FaceMasks& faces, SidedSets& sets) {
+  struct Link {
+    double strength;
+    std::uint32_t a;
+    std::uint32_t b;
+  };
+  std::vector<Link> links;
+  for (std::uint32_t v = 0; v < stars.points(); ++v) {
+    if (faces[v] == full_mask(stars.triangles(v))) continue;
+    for (const std::uint32_t w : stars.star(v)) {
+      if (sets.apart(v, w)) links.push_back({std::abs(parallelism(stars, v, w)), v, w});
+    }
+  }
+  std::ranges::sort(links, [](const Link& x, const Link& y) {
+    if (x.strength != y.strength) return x.strength > y.strength;
+    return x.a != y.a ? x.a < y.a : x.b < y.b;
+  });
+  for (const Link& link : links) sets.unite(link.a, link.b, parallelism(stars, link.a, link.b) < 0 ? 1 : 0);
+}
+
+/// The mask of a star that was turned over: its corners now run the other way.
+std::uint32_t turned_mask(std::uint32_t mask, std::size_t count, std::size_t corners_count) {
+  std::uint32_t turned = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    // Triangle (i, i+1) becomes the one at corners n-2-i, n-1-i.
+    const std::size_t at = (2 * corners_count - 2 - i) % corners_count;
+    if ((mask >> i & 1U) != 0) turned |= 1U << at;
+  }
+  return turned;
+}
+
+}  // namespace
+
+FaceMasks agreed_faces(const LocalStars& stars, unsigned threads) {
+  FaceMasks faces(stars.points());
+  parallel_ranges(threads, stars.points(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) faces[v] = mask_of(stars, v);
+  });
+  return faces;
+}
+
+std::size_t orient(LocalStars& stars, FaceMasks& faces) {
+  SidedSets sets(stars.points());
+  const std::size_t dropped = unite_across_faces(stars, faces, sets);
+  unite_across_shared_triangles(stars, faces, sets);
+  unite_along_edges(stars, faces, sets);
+  for (std::uint32_t v = 0; v < stars.points(); ++v) {
+    if ((sets.find(v) & 1U) == 0) continue;
+    faces[v] = turned_mask(faces[v], stars.triangles(v), stars.star(v).size());
+    stars.turn_over(v);
+  }
+  return dropped;
+}
+
+}  // namespace surfaced::front

@@ -1,0 +1,145 @@
+#include "front/fans.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace surfaced::front {
+
+Fans::Fans(const LocalStars& stars, FaceMasks faces)
+    : stars_(stars), masks_(std::move(faces)), own_of_(stars.points(), kNoVertex) {
+  std::size_t corners = 0;
+  for (std::uint32_t v = 0; v < points(); ++v) {
+    const auto count = static_cast<std::size_t>(std::popcount(masks_[v]));
+    corners += count;
+    if (count < stars_.triangles(v) || !stars_.closed(v)) own(v);
+  }
+  face_count_ = corners / 3;
+}
+
+template <class Visit>
+void Fans::visit_settled(std::uint32_t v, Visit&& visit) const {
+  const auto star = stars_.star(v);
+  for (std::uint32_t mask = masks_[v]; mask != 0; mask &= mask - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(mask));
+    visit(Wedge{star[i], star[i + 1 < star.size() ? i + 1 : 0]});
+  }
+}
+
+std::vector<Wedge>& Fans::own(std::uint32_t v) {
+  if (own_of_[v] == kNoVertex) {
+    own_of_[v] = static_cast<std::uint32_t>(own_.size());
+    owners_.push_back(v);
+    std::vector<Wedge>& list = own_.emplace_back();
+    visit_settled(v, [&](const Wedge& w) { list.push_back(w); });
+  }
+  return own_[own_of_[v]];
+}
+
+std::span<const Wedge> Fans::wedges(std::uint32_t v) const {
+  if (own_of_[v] != kNoVertex) return own_[own_of_[v]];
+  seen_.clear();
+  visit_settled(v, [&](const Wedge& w) { seen_.push_back(w); });
+  return seen_;
+}
+
+std::uint32_t Fans::apex(Edge e) const {
+  if (own_of_[e.from] != kNoVertex) {
+    for (const Wedge& w : own_[own_of_[e.from]]) {
+      if (w.first == e.to) return w.second;
+    }
+    return kNoVertex;
+  }
+  std::uint32_t found = kNoVertex;
+  visit_settled(e.from, [&](const Wedge& w) {
+    if (w.first == e.to) found = w.second;
+  });
+  return found;
+}
+
+Around Fans::around(std::uint32_t v) const {
+  if (own_of_[v] == kNoVertex) return masks_[v] == 0 ? Around::nothing : Around::closed;
+  const std::vector<Wedge>& list = own_[own_of_[v]];
+  if (list.empty()) return Around::nothing;
+  const bool closed = std::ranges::all_of(list, [&](const Wedge& w) {
+    return std::ranges::any_of(list, [&](const Wedge& o) { return o.second == w.first; });
+  });
+  return closed ? Around::closed : Around::open;
+}
+
+std::size_t Fans::fans(std::uint32_t v) const {
+  const auto list = wedges(v);
+  std::vector<Wedge> left(list.begin(), list.end());
+  std::size_t count = 0;
+  while (!left.empty()) {
+    ++count;
+    Wedge chain = left.back();
+    left.pop_back();
+    for (bool grown = true; grown;) {
+      grown = false;
+      for (std::size_t i = 0; i < left.size(); ++i) {
+        const bool after = left[i].first == chain.second;
+        if (!after && left[i].second != chain.first) continue;
+        (after ? chain.second : chain.first) = after ? left[i].second : left[i].first;
+        left[i] = left.back();
+        left.pop_back();
+        grown = true;
+        break;
+      }
+    }
+  }
+  return count;
+}
+
+void Fans::link(const Face& f) {
+  for (std::size_t i = 0; i < 3; ++i) own(f[i]).push_back({f[(i + 1) % 3], f[(i + 2) % 3]});
+  ++face_count_;
+}
+
+void Fans::unlink(const Face& f) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::vector<Wedge>& list = own(f[i]);
+    list.erase(std::ranges::find(list, Wedge{f[(i + 1) % 3], f[(i + 2) % 3]}));
+  }
+  --face_count_;
+}
+
+void Fans::add(const Face& face) {
+  link(face);
+  journal_.push_back({face, true});
+}
+
+void Fans::remove(const Face& face) {
+  unlink(face);
+  journal_.push_back({face, false});
+}
+
+void Fans::undo(std::size_t mark) {
+  while (journal_.size() > mark) {
+    const Change change = journal_.back();
+    journal_.pop_back();
+    change.added ? unlink(change.face) : link(change.face);
+  }
+}
+
+std::vector<std::uint32_t> Fans::unsettled() const {
+  std::vector<std::uint32_t> list = owners_;
+  std::ranges::sort(list);
+  return list;
+}
+
+std::vector<Triangle> Fans::triangles() const {
+  std::vector<Triangle> all;
+  all.reserve(face_count_);
+  std::vector<Triangle> here;
+  for (std::uint32_t v = 0; v < points(); ++v) {
+    here.clear();
+    for (const Wedge& w : wedges(v)) {
+      if (v < w.first && v < w.second) here.push_back({VertexIndex(v), VertexIndex(w.first), VertexIndex(w.second)});
+    }
+    std::ranges::sort(here);
+    all.insert(all.end(), here.begin(), here.end());
+  }
+  return all;
+}
+
+}  // namespace surfaced::front

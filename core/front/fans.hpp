@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "front/consensus.hpp"
+#include "front/local_stars.hpp"
+#include "mesh/mesh.hpp"
+
+namespace surfaced::front {
+
+inline constexpr std::uint32_t kNoVertex = VertexIndex::kNone;
+
+/// Oriented face, or edge.
+using Face = std::array<std::uint32_t, 3>;
+struct Edge {
+  std::uint32_t from;
+  std::uint32_t to;
+  friend bool operator==(const Edge&, const Edge&) = default;
+};
+
+/// Face (v, first, second) as v sees it.
+struct Wedge {
+  std::uint32_t first;
+  std::uint32_t second;
+  friend bool operator==(const Wedge&, const Wedge&) = default;
+};
+
+/// What the faces at a vertex look like.
+enum class Around : std::uint8_t { nothing, open, closed };
+
+/// The faces of a growing surface, as seen from its vertices. A vertex whose star is settled keeps it as a
+/// mask over the star; one that the front works on has its own list of wedges. Invariant: every face is with all
+/// three of its vertices; no directed edge has two faces.
+class Fans {
+ public:
+  /// Begins with the given faces of the stars.
+  Fans(const LocalStars& stars, FaceMasks faces);
+
+  std::size_t points() const { return stars_.points(); }
+  std::size_t faces() const { return face_count_; }
+
+  /// The wedges at v. The span lives until the next change of any vertex.
+  std::span<const Wedge> wedges(std::uint32_t v) const;
+
+  /// Third vertex of the face that contains the edge in this direction, or kNoVertex.
+  std::uint32_t apex(Edge e) const;
+  bool uses(Edge e) const { return apex(e) != kNoVertex; }
+
+  Around around(std::uint32_t v) const;
+  /// Number of separate fans and umbrellas at v.
+  std::size_t fans(std::uint32_t v) const;
+
+  /// Requires that none of the face's directed edges is used.
+  void add(const Face& face);
+  /// Requires that the face is there.
+  void remove(const Face& face);
+
+  /// Vertices that are not settled, ascending: all that may have an open edge.
+  std::vector<std::uint32_t> unsettled() const;
+
+  /// Changes can be taken back: undo(mark()) restores the state at the mark.
+  std::size_t mark() const { return journal_.size(); }
+  void undo(std::size_t mark);
+
+  /// All faces, least vertex first, sorted.
+  std::vector<Triangle> triangles() const;
+
+ private:
+  std::vector<Wedge>& own(std::uint32_t v);
+  void link(const Face& face);
+  void unlink(const Face& face);
+  template <class Visit>
+  void visit_settled(std::uint32_t v, Visit&& visit) const;
+
+  const LocalStars& stars_;
+  FaceMasks masks_;
+  std::vector<std::uint32_t> own_of_;  // per vertex its list in own_, or kNoVertex
+  std::vector<std::vector<Wedge>> own_;
+  std::vector<std::uint32_t> owners_;
+  std::size_t face_count_ = 0;
+  struct Change {
+    Face face;
+    bool added;
+  };
+  std::vector<Change> journal_;
+  mutable std::vector<Wedge> seen_;
+};
+
+}  // namespace surfaced::front
