@@ -61,7 +61,7 @@ class ArtifactStore {
   virtual Result<std::filesystem::path> begin_attempt(const Claim& claim) = 0;
 
   /// Keeps the named files of the attempt's directory, durable when the call returns, and drops the
-  /// rest of it. Names that are absent are left out of the answer.
+  /// rest of it. Names that are absent are left out of the answer; `crashed` for a name that is no regular file.
   virtual Result<std::vector<Output>> publish(const Claim& claim, std::span<const std::string> names) = 0;
 
   /// Drops the attempt's directory, and what it may have published.

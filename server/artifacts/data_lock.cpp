@@ -28,9 +28,13 @@ int lock_soon(int fd) {
 }  // namespace
 
 Result<DataLock> DataLock::acquire(const std::filesystem::path& directory) {
-  if (Status made = make_directory(directory); !made.ok()) return made.error();
+  if (Status made = make_directory(directory); !made.ok()) {
+    return Error{ErrorCode::output_not_writable, "--data " + directory.string() + ": " + made.error().detail};
+  }
   UniqueFd fd(::open((directory / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!fd) return system_error("open the lock in " + directory.string(), errno);
+  if (!fd) {
+    return Error{ErrorCode::output_not_writable, "--data " + directory.string() + ": " + error_text(errno)};
+  }
   if (const int failed = lock_soon(fd.get()); failed != 0) {
     if (failed != EWOULDBLOCK) return system_error("lock " + directory.string(), failed);
     return Error{ErrorCode::invalid_usage,

@@ -76,8 +76,11 @@ class FileReader final : public OutputReader {
 
 /// Makes one file that a child wrote durable and describes it; none if there is no such file.
 Result<std::optional<Output>> seal(const fs::path& path, std::uint32_t attempt) {
-  if (std::error_code none; fs::symlink_status(path, none).type() == fs::file_type::not_found) {
-    return std::optional<Output>();
+  std::error_code error;
+  const auto type = fs::symlink_status(path, error).type();
+  if (type == fs::file_type::not_found) return std::optional<Output>();
+  if (type != fs::file_type::regular) {
+    return Error{ErrorCode::crashed, "the process left something that is no file as " + path.filename().string()};
   }
   const Result<UniqueFd> fd = open_regular(path);
   if (!fd) return fd.error();

@@ -37,7 +37,8 @@ Result<std::unique_ptr<ArtifactStore>> open_file_artifact_store(const std::files
 /// Holds the data directory for this process until it is destroyed or the process ends, however it ends.
 class DataLock {
  public:
-  /// Creates the directory if it is missing. invalid_usage if another server holds it.
+  /// Creates the directory if it is missing. invalid_usage if another server holds it,
+  /// output_not_writable if it cannot be used.
   static Result<DataLock> acquire(const std::filesystem::path& directory);
 
  private:

@@ -87,11 +87,11 @@ Status recover(JobStore& jobs, ArtifactStore& artifacts) {
 }
 
 void remove_expired(JobStore& jobs, ArtifactStore& artifacts) {
-  const auto garbage = jobs.expire();
-  if (garbage) {
+  for (;;) {
+    const auto garbage = jobs.expire();
+    if (!garbage) std::cerr << "cannot remove expired jobs: " << garbage.error().detail << std::endl;
+    if (!garbage || garbage->inputs.empty()) return;
     artifacts.remove(*garbage);
-  } else {
-    std::cerr << "cannot remove expired jobs: " << garbage.error().detail << std::endl;
   }
 }
 

@@ -73,7 +73,8 @@ class JobStore {
   virtual Result<std::size_t> recover() = 0;
 
   /// Removes ended jobs whose time to live is over, and forgets those that were removed long ago.
-  /// Returns what is to be removed from the artifact store.
+  /// Returns what is to be removed from the artifact store, of a bounded number of jobs; nothing when
+  /// there is nothing left to do.
   virtual Result<Artifacts> expire() = 0;
 
   /// Everything that is to be kept in the artifact store.

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <exception>
 #include <utility>
 
 namespace surfaced {
@@ -78,11 +79,19 @@ void Scheduler::run_claimed(const ClaimedJob& claimed) {
   // The job may have been dismissed between its claim and its entry above; nobody would stop it then.
   const auto now = jobs_.find(claimed.job.id);
   if (!now || now->status != JobStatus::running) stop->stop(Outcome::cancelled);
-  settle(claimed, attempt(claimed, *stop));
+  settle(claimed, attempt_safely(claimed, *stop));
   events_.changed(claimed.job.id);
   const std::scoped_lock lock(mutex_);
   running_.erase(claimed.job.id);
   idle_.notify_all();
+}
+
+AttemptResult Scheduler::attempt_safely(const ClaimedJob& claimed, const StopSignal& stop) {
+  try {
+    return attempt(claimed, stop);
+  } catch (const std::exception& failure) {
+    return {Outcome::lost, Error{ErrorCode::internal_error, failure.what()}};
+  }
 }
 
 AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& stop) {
@@ -130,7 +139,8 @@ std::vector<Output> Scheduler::publish(const Job& job, AttemptResult& result) {
   const auto names = outcome == Outcome::done ? job.wanted : std::vector<std::string>{"log.txt"};
   auto published = artifacts_.publish({job.id, job.attempt}, names);
   if (!published) {
-    result = {Outcome::lost, published.error()};
+    const bool by_child = published.error().code == ErrorCode::crashed;
+    result = {by_child ? Outcome::crashed : Outcome::lost, published.error()};
     return {};
   }
   if (published->size() < names.size()) {

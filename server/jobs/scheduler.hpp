@@ -49,6 +49,8 @@ class Scheduler {
  private:
   void work();
   void run_claimed(const ClaimedJob& claimed);
+  /// What `attempt` throws (memory runs out in the server) loses the attempt and not the worker.
+  AttemptResult attempt_safely(const ClaimedJob& claimed, const StopSignal& stop);
   AttemptResult attempt(const ClaimedJob& claimed, const StopSignal& stop);
   void settle(const ClaimedJob& claimed, AttemptResult result);
   /// Keeps what the attempt left; changes the result if that cannot be kept or is not complete.

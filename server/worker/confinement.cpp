@@ -1,5 +1,6 @@
 #include "worker/confinement.hpp"
 
+#include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -35,6 +36,11 @@ Status confine_this_process(const AttemptLimits& limits, int parent) {
   // The server may have died before the line above: then the signal will never come.
   if (::getppid() != parent) return Error{ErrorCode::lost, "the server is gone"};
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return system_error("give up privileges", errno);
+  // When the machine runs out of memory the kernel shall take the child, not the server. Best effort: it
+  // is no limit, and /proc may be hidden.
+  if (const UniqueFd score(::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC)); score) {
+    [[maybe_unused]] const Status ignored = write_all(score.get(), as_bytes("500"), "raise the OOM score");
+  }
   // A file that would grow beyond its limit shall be an error of write, not a signal.
   std::signal(SIGXFSZ, SIG_IGN);
   const auto cpu = static_cast<rlim_t>(limits.time.count()) * std::max(1U, limits.threads);

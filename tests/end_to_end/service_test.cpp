@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
@@ -21,6 +22,12 @@ using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 using testing::Answer;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
 
 /// Binary little-endian PLY of these points.
 std::string ply(const std::vector<Point3>& points) {
@@ -217,6 +224,19 @@ TEST_F(ServiceTest, the_daemon_ends_with_0_when_it_is_told_to_stop) {
   server_.emplace(directory_.path() / "data");
   EXPECT_THAT(job(id).at("status").get<std::string>(), AnyOf("accepted", "running"));
   EXPECT_EQ(call("DELETE", "/v1/jobs/" + id).status, 202);
+}
+
+TEST_F(ServiceTest, a_large_upload_never_stands_in_memory) {
+  // Declares what it holds, but with a coordinate that is refused: the child is soon done with it.
+  std::string body = ply(std::vector<Point3>(6'000'000, Point3{std::numeric_limits<double>::quiet_NaN(), 0, 0}));
+  ASSERT_GT(body.size(), std::size_t{64} << 20);
+  EXPECT_EQ(code_of(call("POST", "/v1/reconstruct?method=advancing-front", body)), "coordinate_not_finite");
+  std::ifstream status("/proc/" + std::to_string(server_->pid()) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:") && !kSanitized) {
+      EXPECT_LT(std::stoul(line.substr(6)), 50'000U) << "kB";
+    }
+  }
 }
 
 TEST_F(ServiceTest, a_second_daemon_on_the_same_data_is_refused) {

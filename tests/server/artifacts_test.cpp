@@ -80,10 +80,18 @@ TEST_F(ArtifactsTest, a_link_or_a_folder_in_place_of_an_output_is_refused) {
   const Claim claim{"job", 1};
   store_->begin_attempt(claim).value();
   std::filesystem::create_symlink("/etc/passwd", root() / "attempts/job-1/mesh.glb");
-  EXPECT_FALSE(store_->publish(claim, std::vector<std::string>{"mesh.glb"}).ok());
+  EXPECT_EQ(store_->publish(claim, std::vector<std::string>{"mesh.glb"}).error().code, ErrorCode::crashed);
   std::filesystem::remove(root() / "attempts/job-1/mesh.glb");
   std::filesystem::create_directory(root() / "attempts/job-1/mesh.glb");
-  EXPECT_FALSE(store_->publish(claim, std::vector<std::string>{"mesh.glb"}).ok());
+  EXPECT_EQ(store_->publish(claim, std::vector<std::string>{"mesh.glb"}).error().code, ErrorCode::crashed);
+}
+
+TEST_F(ArtifactsTest, a_data_directory_that_cannot_be_made_is_named) {
+  std::ofstream(root() / "file") << "x";
+  const auto lock = DataLock::acquire(root() / "file/data");
+  ASSERT_FALSE(lock.ok());
+  EXPECT_EQ(lock.error().code, ErrorCode::output_not_writable);
+  EXPECT_THAT(lock.error().detail, HasSubstr((root() / "file/data").string()));
 }
 
 TEST_F(ArtifactsTest, attempts_of_a_job_do_not_touch_each_other) {

@@ -53,7 +53,7 @@ class HttpGuardTest : public ::testing::Test {
     });
     limits_.body_bytes = kBodyLimit;
     limits_.threads = 8;
-    limits_.waiting = 4;
+    limits_.waiting = 16;
     limits_.connection.head_time = milliseconds(700);
     limits_.connection.idle_time = milliseconds(300);
     limits_.connection.body_grace = milliseconds(500);
@@ -242,7 +242,7 @@ TEST_F(HttpGuardTest, connections_beyond_the_bound_are_answered_503) {
   for (int i = 0; i < 40; ++i) held.push_back(std::make_unique<RawConnection>(port_));
   int turned_away = 0;
   for (auto& each : held) turned_away += each->read_answer(false, milliseconds(50)).status == 503 ? 1 : 0;
-  EXPECT_GE(turned_away, 20);
+  EXPECT_GE(turned_away, 10);
   held.clear();
   std::this_thread::sleep_for(milliseconds(100));
   EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
