@@ -1,0 +1,122 @@
+// Clouds made here, the command that meshes them, and readers that share no code with it.
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import path from 'node:path';
+import draco3d from 'draco3d';
+import validator from 'gltf-validator';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { PLYLoader } from 'three/addons/loaders/PLYLoader.js';
+
+// three's FileLoader reports progress with it, even for data URIs; Node has none.
+globalThis.ProgressEvent ??= class extends Event {};
+
+/** Nearly even points on a sphere: a Fibonacci spiral. */
+export function sphere(count, { centre = [0, 0, 0], radius = 1 } = {}) {
+  const golden = Math.PI * (3 - Math.sqrt(5));
+  return Array.from({ length: count }, (_, i) => {
+    const z = 1 - (2 * i + 1) / count;
+    const r = Math.sqrt(1 - z * z);
+    return [r * Math.cos(golden * i), r * Math.sin(golden * i), z].map((x, axis) => centre[axis] + radius * x);
+  });
+}
+
+/** A binary PLY of points; `real` is float or double; with normals and colours where `painted`. */
+export function plyOf(points, { real = 'float', painted = false } = {}) {
+  const properties = ['x', 'y', 'z'].map((name) => `property ${real} ${name}\n`);
+  if (painted) {
+    properties.push(...['nx', 'ny', 'nz'].map((name) => `property float ${name}\n`));
+    properties.push(...['red', 'green', 'blue'].map((name) => `property uchar ${name}\n`));
+  }
+  const header = `ply\nformat binary_little_endian 1.0\nelement vertex ${points.length}\n${properties.join('')}end_header\n`;
+  const row = (real === 'float' ? 12 : 24) + (painted ? 15 : 0);
+  const body = Buffer.alloc(points.length * row);
+  let at = 0;
+  points.forEach((point, i) => {
+    for (const x of point) at = real === 'float' ? body.writeFloatLE(x, at) : body.writeDoubleLE(x, at);
+    if (!painted) return;
+    for (const x of point) at = body.writeFloatLE(x / Math.hypot(...point), at);
+    for (const c of [i % 256, (i >> 8) % 256, 77]) at = body.writeUInt8(c, at);
+  });
+  return Buffer.concat([Buffer.from(header), body]);
+}
+
+/** Runs the command on a cloud and returns the mesh file's bytes and the report. */
+export function reconstruct(cloud, extension, flags = []) {
+  const folder = mkdtempSync(path.join(tmpdir(), 'surfaced-readers-'));
+  try {
+    const [input, output, report] = ['cloud.ply', `mesh.${extension}`, 'report.json'].map((name) => path.join(folder, name));
+    writeFileSync(input, cloud);
+    execFileSync(process.env.SURFACED_BIN, [
+      'reconstruct', input, '-o', output, '--method', 'advancing-front', '--report', report, ...flags,
+    ]);
+    return { bytes: readFileSync(output), report: JSON.parse(readFileSync(report, 'utf8')) };
+  } finally {
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+/** What Khronos' validator says of a glTF or GLB. */
+export const validate = (bytes) => validator.validateBytes(new Uint8Array(bytes), { maxIssues: 100 });
+
+const toArrayBuffer = (bytes) => bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
+
+const fromGeometry = (geometry) => ({
+  positions: geometry.getAttribute('position').array,
+  normals: geometry.getAttribute('normal')?.array,
+  colors: geometry.getAttribute('color')?.array,
+  indices: Uint32Array.from(geometry.getIndex().array),
+});
+
+/** three.js' view of a glTF or GLB: the arrays of its mesh, and the node with its place in the world. */
+export async function openWithThree(bytes) {
+  const { scene, asset } = await new GLTFLoader().parseAsync(toArrayBuffer(bytes), '');
+  const meshes = [];
+  scene.updateMatrixWorld(true);
+  scene.traverse((node) => node.isMesh && meshes.push(node));
+  if (meshes.length !== 1) throw new Error(`${meshes.length} meshes`);
+  return { ...fromGeometry(meshes[0].geometry), node: meshes[0], asset };
+}
+
+export const openPlyWithThree = (bytes) => fromGeometry(new PLYLoader().parse(toArrayBuffer(bytes)));
+
+/** draco3d's view of a Draco mesh. */
+export async function openWithDraco(bytes) {
+  const draco = await draco3d.createDecoderModule({});
+  const decoder = new draco.Decoder();
+  const mesh = new draco.Mesh();
+  const status = decoder.DecodeArrayToMesh(new Int8Array(bytes), bytes.length, mesh);
+  if (!status.ok()) throw new Error(status.error_msg());
+  const attribute = (type, components) => {
+    const id = decoder.GetAttributeId(mesh, type);
+    if (id < 0) return undefined;
+    const values = new draco.DracoFloat32Array();
+    decoder.GetAttributeFloatForAllPoints(mesh, decoder.GetAttribute(mesh, id), values);
+    const array = Float32Array.from({ length: components * mesh.num_points() }, (_, i) => values.GetValue(i));
+    draco.destroy(values);
+    return array;
+  };
+  const face = new draco.DracoInt32Array();
+  const indices = new Uint32Array(3 * mesh.num_faces());
+  for (let f = 0; f < mesh.num_faces(); ++f) {
+    decoder.GetFaceFromMesh(mesh, f, face);
+    for (let k = 0; k < 3; ++k) indices[3 * f + k] = face.GetValue(k);
+  }
+  const result = {
+    positions: attribute(draco.POSITION, 3),
+    normals: attribute(draco.NORMAL, 3),
+    colors: attribute(draco.COLOR, 4),
+    indices,
+  };
+  draco.destroy(face);
+  draco.destroy(mesh);
+  draco.destroy(decoder);
+  return result;
+}
+
+/** Points of an array of coordinates as sorted texts: equal for the same set of points, bit for bit. */
+export function asSet(positions) {
+  const texts = [];
+  for (let i = 0; i < positions.length; i += 3) texts.push(positions.slice(i, i + 3).join(' '));
+  return texts.sort();
+}
