@@ -26,10 +26,16 @@ struct DelaunayComplex {
   std::vector<Point3> positions;
   /// Power of two that brings the bounding box to a size within [1, 2); 1 where that would not be exact.
   double scale = 1;
-  /// 4 per cell, ascending; cells ascend lexicographically. An infinite cell has V as its last vertex.
-  std::vector<VertexIndex> vertices;
-  /// 4 per cell: the same facet seen from the neighbour. mates[mates[s]] == s.
-  std::vector<SideIndex> mates;
+  /// Walks around edges need a cell's vertices and mates together: they stand in one half of a cache line.
+  struct Cell {
+    /// Ascending. The vertex at infinity, V, is the last one of an infinite cell.
+    std::array<VertexIndex, 4> vertices;
+    /// Side i seen from the neighbour: mate(mate(s)) == s.
+    std::array<SideIndex, 4> mates;
+    friend bool operator==(const Cell&, const Cell&) = default;
+  };
+  /// Ascending lexicographically by their vertices.
+  std::vector<Cell> table;
   /// Per cell 1 if its four vertices in ascending order are negatively oriented (left-handed).
   std::vector<std::uint8_t> mirrored;
   /// The corners of vertex v are stars[star_starts[v]] .. stars[star_starts[v+1]-1], ascending. V+1 entries.
@@ -37,18 +43,21 @@ struct DelaunayComplex {
   std::vector<SideIndex> stars;
 
   std::size_t points() const { return positions.size(); }
-  std::size_t cells() const { return vertices.size() / 4; }
-  bool infinite(CellIndex c) const { return vertices[4 * c + 3] == points(); }
+  std::size_t cells() const { return table.size(); }
+  /// Vertex of corner s; those of a cell stand one after the other.
+  const VertexIndex& vertex(std::size_t s) const { return table[s / 4].vertices[s % 4]; }
+  SideIndex mate(std::size_t s) const { return table[s / 4].mates[s % 4]; }
+  bool infinite(CellIndex c) const { return table[c].vertices[3] == points(); }
   static CellIndex cell_of(SideIndex s) { return CellIndex(s / 4); }
-  CellIndex neighbour(SideIndex s) const { return CellIndex(mates[s] / 4); }
+  CellIndex neighbour(SideIndex s) const { return CellIndex(mate(s) / 4); }
   std::span<const SideIndex> star(VertexIndex v) const {
     return {stars.data() + star_starts[v], stars.data() + star_starts[v + 1]};
   }
   /// Vertices of the facet, ascending.
   std::array<VertexIndex, 3> facet(SideIndex s) const {
-    const std::size_t c = s / 4 * 4;
+    const std::array<VertexIndex, 4>& v = table[s / 4].vertices;
     const std::size_t i = s % 4;
-    return {vertices[c + (i > 0 ? 0 : 1)], vertices[c + (i > 1 ? 1 : 2)], vertices[c + (i > 2 ? 2 : 3)]};
+    return {v[i > 0 ? 0 : 1], v[i > 1 ? 1 : 2], v[i > 2 ? 2 : 3]};
   }
   /// Vertices of the facet in the order that turns counter-clockwise when seen from outside the cell.
   std::array<VertexIndex, 3> outward_facet(SideIndex s) const {
@@ -68,7 +77,7 @@ class EdgeWalk {
   /// Starts in cell c at its edge from local vertex a to b; leaves it first through the side opposite
   /// the lesser of the other two vertices.
   EdgeWalk(const DelaunayComplex& complex, CellIndex c, unsigned a, unsigned b)
-      : complex_(complex), a_(complex.vertices[4 * c + a]), b_(complex.vertices[4 * c + b]) {
+      : complex_(complex), a_(complex.vertex(4 * c + a)), b_(complex.vertex(4 * c + b)) {
     for (unsigned i = 4; i-- > 0;) {
       if (i == a || i == b) continue;
       entry_ = exit_;
@@ -82,10 +91,10 @@ class EdgeWalk {
   /// Side of the current cell through which the walk came.
   SideIndex entry() const { return entry_; }
   void advance() {
-    entry_ = complex_.mates[exit_];
+    entry_ = complex_.mate(exit_);
     const std::size_t c = entry_ / 4 * 4;
     for (std::size_t s = c; s < c + 4; ++s) {
-      if (s == entry_ || complex_.vertices[s] == a_ || complex_.vertices[s] == b_) continue;
+      if (s == entry_ || complex_.vertex(s) == a_ || complex_.vertex(s) == b_) continue;
       exit_ = SideIndex(s);
       return;
     }

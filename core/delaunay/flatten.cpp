@@ -53,71 +53,81 @@ bool sort_cell(Tuple& v, std::array<std::uint8_t, 4>& slots) {
   return odd;
 }
 
-/// The canonical place of every raw cell: cells ascend by their sorted vertices. Counting sort by the least
-/// vertex, then a comparison sort within the few cells that share it.
-std::vector<std::uint32_t> canonical_order(const RawTriangulation& raw, std::size_t points, unsigned threads) {
+/// A raw cell with its vertices sorted.
+struct SortedCell {
+  Tuple vertices;
+  std::uint32_t raw;
+  /// Where vertex slot i of the raw cell went, two bits each.
+  std::uint8_t slots;
+  std::uint8_t mirrored;
+};
+
+SortedCell sorted_cell(const RawTriangulation& raw, std::uint32_t c) {
+  SortedCell cell{{}, c, 0, 0};
+  std::copy_n(&raw.vertices[4 * std::size_t{c}], 4, cell.vertices.begin());
+  std::array<std::uint8_t, 4> from{0, 1, 2, 3};
+  cell.mirrored = sort_cell(cell.vertices, from) ? 1 : 0;
+  for (unsigned i = 0; i < 4; ++i) cell.slots |= static_cast<std::uint8_t>(i << (2U * from[i]));
+  return cell;
+}
+
+/// Where the raw cells went.
+struct Places {
+  std::vector<std::uint32_t> raw_of;
+  std::vector<std::uint32_t> place_of;
+  std::vector<std::uint8_t> slots_of;
+};
+
+/// Puts the cells in ascending order of their sorted vertices: counting sort by the least vertex, then a
+/// comparison sort of the few cells that share it.
+Places place_vertices(const RawTriangulation& raw, unsigned threads, DelaunayComplex& complex) {
   const std::size_t cells = raw.vertices.size() / 4;
-  std::vector<std::uint32_t> starts(points + 1, 0);
-  const auto least = [&](std::size_t c) { return *std::min_element(&raw.vertices[4 * c], &raw.vertices[4 * c] + 4); };
+  std::vector<std::uint32_t> starts(complex.points() + 1, 0);
+  const auto least = [&](std::size_t c) {
+    const std::uint32_t* v = &raw.vertices[4 * c];
+    return std::min(std::min(v[0], v[1]), std::min(v[2], v[3]));
+  };
   for (std::size_t c = 0; c < cells; ++c) ++starts[least(c) + 1];
-  for (std::size_t v = 0; v < points; ++v) starts[v + 1] += starts[v];
-  std::vector<std::uint32_t> order(cells);
-  for (std::size_t c = 0; c < cells; ++c) order[starts[least(c)]++] = static_cast<std::uint32_t>(c);
-  parallel_ranges(threads, points, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::pair<Tuple, std::uint32_t>> bucket;
+  for (std::size_t v = 0; v < complex.points(); ++v) starts[v + 1] += starts[v];
+  Places places{std::vector<std::uint32_t>(cells), std::vector<std::uint32_t>(cells), std::vector<std::uint8_t>(cells)};
+  for (std::size_t c = 0; c < cells; ++c) places.raw_of[starts[least(c)]++] = static_cast<std::uint32_t>(c);
+  complex.table.resize(cells);
+  complex.mirrored.resize(cells);
+  parallel_ranges(threads, complex.points(), [&](std::size_t begin, std::size_t end) {
+    std::vector<SortedCell> bucket;
     for (std::size_t v = begin; v < end; ++v) {
       const std::size_t first = v == 0 ? 0 : starts[v - 1];
       bucket.clear();
+      for (std::size_t k = first; k < starts[v]; ++k) bucket.push_back(sorted_cell(raw, places.raw_of[k]));
+      std::ranges::sort(bucket, {}, &SortedCell::vertices);
       for (std::size_t k = first; k < starts[v]; ++k) {
-        Tuple tuple{};
-        std::copy_n(&raw.vertices[4 * std::size_t{order[k]}], 4, tuple.begin());
-        std::array<std::uint8_t, 4> unused{};
-        sort_cell(tuple, unused);
-        bucket.emplace_back(tuple, order[k]);
+        const SortedCell& cell = bucket[k - first];
+        for (std::size_t i = 0; i < 4; ++i) complex.table[k].vertices[i] = VertexIndex(cell.vertices[i]);
+        complex.mirrored[k] = cell.mirrored;
+        places.raw_of[k] = cell.raw;
+        places.place_of[cell.raw] = static_cast<std::uint32_t>(k);
+        places.slots_of[cell.raw] = cell.slots;
       }
-      std::ranges::sort(bucket);
-      for (std::size_t k = first; k < starts[v]; ++k) order[k] = bucket[k - first].second;
     }
   });
-  return order;
+  return places;
 }
 
 /// Writes cells and mates in canonical order.
 void place_cells(const RawTriangulation& raw, unsigned threads, DelaunayComplex& complex) {
-  const std::size_t cells = raw.vertices.size() / 4;
-  const std::vector<std::uint32_t> order = canonical_order(raw, complex.points(), threads);
-  std::vector<std::uint32_t> place(cells);
-  complex.vertices.resize(4 * cells);
-  complex.mirrored.resize(cells);
-  // Where vertex slot i of a raw cell went, two bits each.
-  std::vector<std::uint8_t> sorted_slot(cells);
-  parallel_ranges(threads, cells, [&](std::size_t begin, std::size_t end) {
+  const Places places = place_vertices(raw, threads, complex);
+  const auto side = [&](std::size_t cell, std::size_t slot) {
+    return SideIndex(4 * std::size_t{places.place_of[cell]} + ((unsigned{places.slots_of[cell]} >> (2 * slot)) & 3U));
+  };
+  parallel_ranges(threads, complex.cells(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
-      Tuple tuple{};
-      std::copy_n(&raw.vertices[4 * std::size_t{order[c]}], 4, tuple.begin());
-      std::array<std::uint8_t, 4> slots{0, 1, 2, 3};
-      complex.mirrored[c] = sort_cell(tuple, slots) ? 1 : 0;
-      unsigned packed = 0;
-      for (unsigned i = 0; i < 4; ++i) {
-        complex.vertices[4 * c + i] = VertexIndex(tuple[i]);
-        packed |= i << (2U * slots[i]);
-      }
-      place[order[c]] = static_cast<std::uint32_t>(c);
-      sorted_slot[order[c]] = static_cast<std::uint8_t>(packed);
-    }
-  });
-  complex.mates.resize(4 * cells);
-  parallel_ranges(threads, cells, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      const std::size_t r = order[c];
+      const std::size_t r = places.raw_of[c];
       for (std::size_t i = 0; i < 4; ++i) {
         const std::size_t other = raw.neighbours[4 * r + i];
         std::size_t j = 0;
         while (raw.neighbours[4 * other + j] != r) ++j;
-        const auto side = [&](std::size_t cell, std::size_t k) {
-          return SideIndex(4 * std::size_t{place[cell]} + ((sorted_slot[cell] >> (2 * k)) & 3U));
-        };
-        complex.mates[side(r, i)] = side(other, j);
+        const SideIndex s = side(r, i);
+        complex.table[s / 4].mates[s % 4] = side(other, j);
       }
     }
   });
@@ -125,12 +135,12 @@ void place_cells(const RawTriangulation& raw, unsigned threads, DelaunayComplex&
 
 void build_stars(DelaunayComplex& complex) {
   complex.star_starts.assign(complex.points() + 2, 0);
-  for (const VertexIndex v : complex.vertices) ++complex.star_starts[v + 1];
+  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) ++complex.star_starts[complex.vertex(s) + 1];
   for (std::size_t v = 0; v + 1 < complex.star_starts.size(); ++v) complex.star_starts[v + 1] += complex.star_starts[v];
   complex.stars.resize(complex.star_starts[complex.points()]);
   std::vector<std::uint32_t> cursor(complex.star_starts.begin(), complex.star_starts.end() - 2);
-  for (std::size_t s = 0; s < complex.vertices.size(); ++s) {
-    const VertexIndex v = complex.vertices[s];
+  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) {
+    const VertexIndex v = complex.vertex(s);
     if (v < complex.points()) complex.stars[cursor[v]++] = SideIndex(s);
   }
   complex.star_starts.pop_back();
@@ -174,13 +184,12 @@ EdgeNumbering number_edges(const DelaunayComplex& complex) {
     numbering.slot_of.push_back(static_cast<std::uint32_t>(slot));
     const std::size_t cell = slot / 6;
     const auto [a, b] = kCellEdges[slot % 6];
-    const VertexIndex va = complex.vertices[4 * cell + a];
-    const VertexIndex vb = complex.vertices[4 * cell + b];
+    const VertexIndex va = complex.vertex(4 * cell + a);
+    const VertexIndex vb = complex.vertex(4 * cell + b);
     for (EdgeWalk walk(complex, CellIndex(cell), a, b);; walk.advance()) {
       const std::size_t base = 4 * walk.cell();
       for (std::size_t k = 0; k < 6; ++k) {
-        if (complex.vertices[base + kCellEdges[k][0]] != va || complex.vertices[base + kCellEdges[k][1]] != vb)
-          continue;
+        if (complex.vertex(base + kCellEdges[k][0]) != va || complex.vertex(base + kCellEdges[k][1]) != vb) continue;
         numbering.edge_of[6 * walk.cell() + k] = edge;
       }
       if (complex.neighbour(walk.exit()) == cell) break;
