@@ -18,10 +18,10 @@ BallRatio::BallRatio(const DelaunayComplex& complex, unsigned threads) : complex
   parallel_ranges(threads, complex.cells(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       if (complex.infinite(CellIndex(c))) continue;
-      const Point3& o = complex.positions[complex.vertices[4 * c]];
-      const Point3 a = complex.positions[complex.vertices[4 * c + 1]] - o;
-      const Point3 b = complex.positions[complex.vertices[4 * c + 2]] - o;
-      const Point3 d = complex.positions[complex.vertices[4 * c + 3]] - o;
+      const Point3& o = complex.positions[complex.vertex(4 * c)];
+      const Point3 a = complex.positions[complex.vertex(4 * c + 1)] - o;
+      const Point3 b = complex.positions[complex.vertex(4 * c + 2)] - o;
+      const Point3 d = complex.positions[complex.vertex(4 * c + 3)] - o;
       const Point3 bd = cross(b, d);
       const Point3 da = cross(d, a);
       const Point3 ab = cross(a, b);
@@ -41,7 +41,7 @@ BallRatio::BallRatio(const DelaunayComplex& complex, unsigned threads) : complex
 }
 
 float BallRatio::against_hull(SideIndex infinite_side) const {
-  const SideIndex inner = complex_.mates[infinite_side];
+  const SideIndex inner = complex_.mate(infinite_side);
   const Ball& ball = balls_[inner / 4];
   if (!std::isfinite(ball.radius)) return kNeutral;
   const auto facet = complex_.outward_facet(inner);
@@ -54,7 +54,7 @@ float BallRatio::against_hull(SideIndex infinite_side) const {
 }
 
 float BallRatio::of(SideIndex s) const {
-  const SideIndex mate = complex_.mates[s];
+  const SideIndex mate = complex_.mate(s);
   const bool infinite = complex_.infinite(CellIndex(s / 4));
   const bool mate_infinite = complex_.infinite(CellIndex(mate / 4));
   if (infinite && mate_infinite) return 2;

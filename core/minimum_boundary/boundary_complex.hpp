@@ -17,14 +17,15 @@ class FacetSet {
   bool contains(SideIndex s) const { return ((unsigned{bits_[s / 4]} >> (s % 4)) & 1U) != 0; }
   /// Bit i: side i of the cell is in the set.
   unsigned of_cell(CellIndex c) const { return bits_[c]; }
+  void prefetch(SideIndex s) const { __builtin_prefetch(&bits_[s / 4]); }
   void insert(const DelaunayComplex& complex, SideIndex s) {
     bits_[s / 4] |= static_cast<std::uint8_t>(1U << (s % 4));
-    const SideIndex mate = complex.mates[s];
+    const SideIndex mate = complex.mate(s);
     bits_[mate / 4] |= static_cast<std::uint8_t>(1U << (mate % 4));
   }
   void erase(const DelaunayComplex& complex, SideIndex s) {
     bits_[s / 4] &= static_cast<std::uint8_t>(~(1U << (s % 4)));
-    const SideIndex mate = complex.mates[s];
+    const SideIndex mate = complex.mate(s);
     bits_[mate / 4] &= static_cast<std::uint8_t>(~(1U << (mate % 4)));
   }
   friend bool operator==(const FacetSet&, const FacetSet&) = default;

@@ -43,7 +43,7 @@ std::size_t SurfaceSearch::components(const Labelling& labels, std::span<const V
       for (unsigned bits = labels.border(CellIndex(cell)) & ~(1U << (corner % 4)); bits != 0; bits &= bits - 1) {
         const auto beyond = static_cast<std::size_t>(std::countr_zero(bits));
         for (std::size_t i = 0; i < 4; ++i) {
-          const VertexIndex u = complex.vertices[4 * cell + i];
+          const VertexIndex u = complex.vertex(4 * cell + i);
           if (i == beyond || u == v) continue;
           if (epoch_[u] != now_) {
             epoch_[u] = now_;

@@ -122,8 +122,8 @@ bool flip_is_legal(const Labelling& labels, CellIndex c) {
   const unsigned border = labels.border(c);
   const bool other = !labels.in(c);
   if (std::popcount(border) == 1) {
-    return !vertex_touches(
-        labels, labels.complex().vertices[4 * c + static_cast<std::size_t>(std::countr_zero(border))], other);
+    return !vertex_touches(labels, labels.complex().vertex(4 * c + static_cast<std::size_t>(std::countr_zero(border))),
+                           other);
   }
   if (std::popcount(border) != 2) return false;
   // The facets opposite i and j share the edge of the other two; the edge (i, j) is the opposite one.

@@ -18,9 +18,9 @@ std::vector<std::pair<std::uint32_t, CellIndex>> differences(const Labelling& a,
   for (std::size_t c = 0; c < complex.cells(); ++c) {
     if (a.in(CellIndex(c)) == b.in(CellIndex(c))) continue;
     cells.emplace_back(0, CellIndex(c));
-    for (std::size_t i = 1; i < 4; ++i) regions.unite(complex.vertices[4 * c], complex.vertices[4 * c + i]);
+    for (std::size_t i = 1; i < 4; ++i) regions.unite(complex.vertex(4 * c), complex.vertex(4 * c + i));
   }
-  for (auto& [region, c] : cells) region = regions.find(complex.vertices[4 * c]);
+  for (auto& [region, c] : cells) region = regions.find(complex.vertex(4 * c));
   std::ranges::sort(cells);
   return cells;
 }
@@ -72,7 +72,7 @@ class Fuser {
   void collect_vertices() {
     vertices_.clear();
     for (const CellIndex c : region_) {
-      for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) vertices_.push_back(complex_.vertices[i]);
+      for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) vertices_.push_back(complex_.vertex(i));
     }
     std::ranges::sort(vertices_);
     vertices_.erase(std::ranges::unique(vertices_).begin(), vertices_.end());

@@ -1,7 +1,10 @@
 #include "minimum_boundary/inflating.hpp"
 
 #include <algorithm>
+#include <array>
 #include <queue>
+
+#include "base/parallel.hpp"
 
 namespace surfaced::boundary {
 namespace {
@@ -10,34 +13,47 @@ constexpr std::size_t kCancelStride = 1024;
 
 class Inflater {
  public:
-  Inflater(Labelling& labels, const FacetSet& boundary, const Criterion& criterion, unsigned threads)
+  Inflater(Labelling& labels, const FacetSet& boundary, const Criterion& criterion, const VertexTest& passes,
+           unsigned threads)
       : labels_(labels),
         complex_(labels.complex()),
         boundary_(boundary),
         criterion_(criterion),
-        states_(states_of(labels, threads)) {}
+        passes_(passes),
+        good_(complex_.points()) {
+    parallel_ranges(threads, good_.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) good_[v] = passes_(labels_, VertexIndex(v)) ? 1 : 0;
+    });
+  }
 
-  Result<Inflated> run(const Context& context) {
-    for (std::size_t v = 0; v < states_.size(); ++v) {
-      if (!good(states_[v])) offer_star(VertexIndex(v));
+  /// Takes candidates in until there are none; false if cancelled.
+  bool run(const Context& context) {
+    for (std::size_t v = 0; v < good_.size(); ++v) {
+      if (good_[v] == 0) offer_star(VertexIndex(v));
     }
     std::size_t steps = 0;
-    for (;;) {
-      while (!queue_.empty()) {
-        if (++steps % kCancelStride == 0 && context.cancelled()) {
-          return Error{ErrorCode::cancelled, "cancelled while inflating"};
-        }
-        const Candidate best = queue_.top();
-        queue_.pop();
-        // Costs only fall as facets come to the surface: an entry that costs less was handled before.
-        if (is_candidate(best.cell) && cost(best.cell) == best.cost) {
-          take_in(best.cell);
-          ++result_.cells;
-        }
-      }
-      if (!force_one()) return result_;
+    while (!queue_.empty()) {
+      if (++steps % kCancelStride == 0 && context.cancelled()) return false;
+      const Candidate best = queue_.top();
+      queue_.pop();
+      // Costs only fall as facets come to the surface: an entry that costs less was handled before.
+      if (is_candidate(best.cell) && cost(best.cell) == best.cost) take_in(best.cell);
     }
+    return true;
   }
+
+  /// Fills the star of a vertex that fails without a candidate; false if there is none.
+  bool force_one() {
+    const auto bad = std::ranges::find(good_, 0);
+    if (bad == good_.end()) return false;
+    for (const SideIndex corner : complex_.star(VertexIndex(static_cast<std::size_t>(bad - good_.begin())))) {
+      const CellIndex c = DelaunayComplex::cell_of(corner);
+      if (!labels_.in(c) && !complex_.infinite(c)) take_in(c);
+    }
+    return true;
+  }
+
+  std::size_t taken() const { return taken_; }
 
  private:
   struct Candidate {
@@ -56,7 +72,7 @@ class Inflater {
     if (existing == 0) return false;
     for (unsigned i = 0; i < 4; ++i) {
       const bool facet_here = (existing & ~(1U << i)) != 0;
-      if (facet_here && !good(states_[complex_.vertices[4 * c + i]])) return true;
+      if (facet_here && good_[complex_.vertex(4 * c + i)] == 0) return true;
     }
     return false;
   }
@@ -79,46 +95,53 @@ class Inflater {
   /// Only the cell's neighbours gain a facet; only its vertices can change their state.
   void take_in(CellIndex c) {
     labels_.flip(c);
+    ++taken_;
     std::array<bool, 4> newly_bad{};
     for (std::size_t i = 0; i < 4; ++i) {
-      const VertexIndex v = complex_.vertices[4 * c + i];
-      const VertexState before = states_[v];
-      states_[v] = labels_.state(v);
-      newly_bad[i] = good(before) && !good(states_[v]);
+      const VertexIndex v = complex_.vertex(4 * c + i);
+      const bool before = good_[v] != 0;
+      good_[v] = passes_(labels_, v) ? 1 : 0;
+      newly_bad[i] = before && good_[v] == 0;
     }
     for (std::size_t i = 0; i < 4; ++i) {
-      if (newly_bad[i]) offer_star(complex_.vertices[4 * c + i]);
+      if (newly_bad[i]) offer_star(complex_.vertex(4 * c + i));
       offer(complex_.neighbour(SideIndex(4 * c + i)));
     }
-  }
-
-  /// Fills the star of a vertex that is bad without a candidate.
-  bool force_one() {
-    const auto bad = std::ranges::find_if_not(states_, good);
-    if (bad == states_.end()) return false;
-    for (const SideIndex corner : complex_.star(VertexIndex(static_cast<std::size_t>(bad - states_.begin())))) {
-      const CellIndex c = DelaunayComplex::cell_of(corner);
-      if (labels_.in(c) || complex_.infinite(c)) continue;
-      take_in(c);
-      ++result_.forced;
-    }
-    return true;
   }
 
   Labelling& labels_;
   const DelaunayComplex& complex_;
   const FacetSet& boundary_;
   const Criterion& criterion_;
-  std::vector<VertexState> states_;
+  const VertexTest& passes_;
+  std::vector<std::uint8_t> good_;
   std::priority_queue<Candidate> queue_;
-  Inflated result_;
+  std::size_t taken_ = 0;
 };
+
+Error cancelled() { return {ErrorCode::cancelled, "cancelled while inflating"}; }
 
 }  // namespace
 
+Result<std::size_t> inflate_until(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
+                                  const VertexTest& passes, const Context& context, unsigned threads) {
+  Inflater inflater(labels, boundary, criterion, passes, threads);
+  if (!inflater.run(context)) return cancelled();
+  return inflater.taken();
+}
+
 Result<Inflated> inflate(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
                          const Context& context, unsigned threads) {
-  return Inflater(labels, boundary, criterion, threads).run(context);
+  const VertexTest passes = [](const Labelling& l, VertexIndex v) { return good(l.state(v)); };
+  Inflater inflater(labels, boundary, criterion, passes, threads);
+  Inflated result;
+  do {
+    const std::size_t before = inflater.taken();
+    if (!inflater.run(context)) return cancelled();
+    result.cells += inflater.taken() - before;
+  } while (inflater.force_one());
+  result.forced = inflater.taken() - result.cells;
+  return result;
 }
 
 }  // namespace surfaced::boundary

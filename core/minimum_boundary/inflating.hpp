@@ -1,7 +1,7 @@
 // Inflating (§6.2, Algorithm 2): makes any labelling's surface manifold by taking cells in.
 #pragma once
 
-#include <span>
+#include <functional>
 
 #include "minimum_boundary/boundary_complex.hpp"
 #include "minimum_boundary/criterion.hpp"
@@ -16,12 +16,21 @@ struct Inflated {
   std::size_t forced = 0;
 };
 
-/// Moves finite OUT cells to IN, cheapest first, until every vertex is good. A candidate has a bad vertex and, at
-/// that vertex, a facet of the surface or of BC; its cost is the sum of λ over its facets that are neither.
+/// Whether a vertex needs no more cells.
+using VertexTest = std::function<bool(const Labelling&, VertexIndex)>;
+
+/// Moves finite OUT cells to IN, cheapest first, until every vertex passes the test or has no candidate left. A
+/// candidate has a vertex that fails and, at that vertex, a facet of the surface or of BC; its cost is the sum of
+/// λ over its facets that are neither.
+/// @return  number of cells; cancelled.
+/// @cost    O(V) tests to find the vertices that fail, then in proportion to the cells taken in.
+Result<std::size_t> inflate_until(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
+                                  const VertexTest& passes, const Context& context, unsigned threads);
+
+/// Algorithm 2: inflates until every vertex is good.
 /// Precondition: the infinite cells are OUT, every vertex has a facet in `boundary`.
 /// Afterwards every vertex is good (Theorem B), whatever the labels were.
 /// @return  cancelled.
-/// @cost    O(V) to find the bad vertices, then in proportion to the cells taken in.
 Result<Inflated> inflate(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
                          const Context& context, unsigned threads);
 

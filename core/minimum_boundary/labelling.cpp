@@ -9,7 +9,7 @@ namespace {
 
 unsigned slot_in(const DelaunayComplex& complex, std::size_t cell, VertexIndex v) {
   unsigned i = 0;
-  while (complex.vertices[4 * cell + i] != v) ++i;
+  while (complex.vertex(4 * cell + i) != v) ++i;
   return i;
 }
 
@@ -20,7 +20,7 @@ void Labelling::assign(const std::vector<std::uint8_t>& in, unsigned threads) {
     for (std::size_t c = begin; c < end; ++c) {
       unsigned state = in[c] != 0 ? kIn : 0;
       for (unsigned i = 0; i < 4; ++i) {
-        if ((in[c] != 0) != (in[complex_->mates[4 * c + i] / 4] != 0)) state |= 1U << (kBorderShift + i);
+        if ((in[c] != 0) != (in[complex_->mate(4 * c + i) / 4] != 0)) state |= 1U << (kBorderShift + i);
       }
       state_[c] = static_cast<std::uint8_t>(state);
     }
@@ -37,7 +37,7 @@ std::size_t Labelling::cycle_length(VertexIndex v, SideIndex start) const {
   std::array<VertexIndex, 2> others;
   std::size_t count = 0;
   for (std::size_t s = first; s < first + 4; ++s) {
-    if (s != start && complex.vertices[s] != v) others[count++] = complex.vertices[s];
+    if (s != start && complex.vertex(s) != v) others[count++] = complex.vertex(s);
   }
   auto [pivot, behind] = others;
   const VertexIndex start_pivot = pivot;
@@ -45,12 +45,12 @@ std::size_t Labelling::cycle_length(VertexIndex v, SideIndex start) const {
   do {
     ++length;
     // Turn about the edge (v, pivot): the way on is the side opposite the facet's third vertex.
-    VertexIndex apex = complex.vertices[side];
+    VertexIndex apex = complex.vertex(side);
     SideIndex exit(side / 4 * 4 + slot_in(complex, side / 4, behind));
     while (!on_border(exit)) {
-      const SideIndex entry = complex.mates[exit];
+      const SideIndex entry = complex.mate(exit);
       behind = apex;
-      apex = complex.vertices[entry];
+      apex = complex.vertex(entry);
       exit = SideIndex(entry / 4 * 4 + slot_in(complex, entry / 4, behind));
     }
     side = exit;
@@ -80,7 +80,7 @@ VertexState Labelling::state(VertexIndex v) const {
   if (!any_in) return VertexState::outside;
   if (!any_out) return VertexState::interior;
   // One cycle on the inner side and one on the outer side that both pass all facets: one umbrella.
-  const bool single = cycle_length(v, start) == facets && cycle_length(v, complex_->mates[start]) == facets;
+  const bool single = cycle_length(v, start) == facets && cycle_length(v, complex_->mate(start)) == facets;
   return single ? VertexState::surface : VertexState::pinched;
 }
 
@@ -102,7 +102,7 @@ StarGroups StarCounter::count(const Labelling& labels, VertexIndex v) {
       const std::size_t cell = corner / 4;
       for (std::size_t s = 4 * cell; s < 4 * cell + 4; ++s) {
         if (s == corner || labels.on_border(SideIndex(s))) continue;
-        const std::size_t next = complex.mates[s] / 4;
+        const std::size_t next = complex.mate(s) / 4;
         if (mark_[next] == epoch_) continue;
         mark_[next] = epoch_;
         stack_.emplace_back(4 * next + slot_in(complex, next, v));

@@ -46,7 +46,7 @@ class Labelling {
   void flip(CellIndex c) {
     state_[c] ^= static_cast<std::uint8_t>(kIn | 0xFU << kBorderShift);
     for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
-      const SideIndex mate = complex_->mates[s];
+      const SideIndex mate = complex_->mate(s);
       state_[mate / 4] ^= static_cast<std::uint8_t>(1U << (kBorderShift + mate % 4));
     }
   }

@@ -1,5 +1,8 @@
 #include "minimum_boundary/measures.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <vector>
 
 #include "base/union_find.hpp"
@@ -30,6 +33,37 @@ Measures measure(const Labelling& labels, const Criterion& criterion) {
   }
   measures.interior = complex.points() - measures.vertices;
   return measures;
+}
+
+double area_of_sheets(const Labelling& labels, const Criterion& criterion) {
+  constexpr double kLong = 10;
+  const DelaunayComplex& complex = labels.complex();
+  std::vector<double> spacing(complex.points(), INFINITY);
+  std::vector<std::array<VertexIndex, 3>> facets;
+  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) {
+    if (!labels.in(CellIndex(s / 4)) || !labels.on_border(SideIndex(s))) continue;
+    const auto facet = complex.facet(SideIndex(s));
+    facets.push_back(facet);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const VertexIndex a = facet[i];
+      const VertexIndex b = facet[(i + 1) % 3];
+      const double squared = criterion.edge_squared(std::min(a, b), std::max(a, b));
+      spacing[a] = std::min(spacing[a], squared);
+      spacing[b] = std::min(spacing[b], squared);
+    }
+  }
+  double area = 0;
+  double sheets = 0;
+  for (const auto& [a, b, c] : facets) {
+    const Point3 u = complex.positions[b] - complex.positions[a];
+    const Point3 v = complex.positions[c] - complex.positions[a];
+    const double size = norm(cross(u, v));
+    const double longest =
+        std::max({criterion.edge_squared(a, b), criterion.edge_squared(a, c), criterion.edge_squared(b, c)});
+    area += size;
+    if (longest > kLong * kLong * std::max({spacing[a], spacing[b], spacing[c]})) sheets += size;
+  }
+  return area > 0 ? sheets / area : 0;
 }
 
 }  // namespace surfaced::boundary

@@ -27,4 +27,8 @@ struct Measures {
 /// @cost  O(cells).
 Measures measure(const Labelling& labels, const Criterion& criterion);
 
+/// Share of the surface's area in triangles whose longest edge is more than ten times the shortest surface
+/// edge at each of their vertices: sheets over openings that the points do not determine.
+double area_of_sheets(const Labelling& labels, const Criterion& criterion);
+
 }  // namespace surfaced::boundary

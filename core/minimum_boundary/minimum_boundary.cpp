@@ -1,17 +1,24 @@
 #include "minimum_boundary/minimum_boundary.hpp"
 
+#include <cmath>
 #include <new>
+#include <string>
 
 #include "minimum_boundary/boundary_complex.hpp"
+#include "minimum_boundary/bridging.hpp"
 #include "minimum_boundary/candidates.hpp"
+#include "minimum_boundary/conforming.hpp"
 #include "minimum_boundary/criterion.hpp"
 
+#include "minimum_boundary/curvature.hpp"
 #include "minimum_boundary/descent.hpp"
 #include "minimum_boundary/fusing.hpp"
+#include "minimum_boundary/hole_covering.hpp"
 #include "minimum_boundary/hull.hpp"
 #include "minimum_boundary/inflating.hpp"
 #include "minimum_boundary/labelling.hpp"
 #include "minimum_boundary/measures.hpp"
+#include "minimum_boundary/sculpturing.hpp"
 #include "minimum_boundary/surgery.hpp"
 #include "minimum_boundary/watershed.hpp"
 
@@ -21,14 +28,21 @@ namespace {
 
 using Parameters = MinimumBoundaryParameters;
 
+/// Share of the area over openings beyond which closing is a guess.
+constexpr double kDoubtfulSheets = 0.02;
+/// Handles per point beyond which they look like noise.
+constexpr double kDoubtfulHandles = 0.01;
+
+std::string percent(double share) { return std::to_string(std::llround(100 * share)) + " %"; }
+
 /// The facets of the boundary complex themselves, each with the normal of its lesser side.
 TriangleMesh mesh_of(const DelaunayComplex& complex, const FacetSet& facets, const PointCloud& cloud) {
   TriangleMesh mesh;
   mesh.positions = cloud.positions;
   mesh.normals = cloud.normals;
   mesh.colors = cloud.colors;
-  for (std::size_t s = 0; s < complex.mates.size(); ++s) {
-    if (facets.contains(SideIndex(s)) && s < complex.mates[s]) mesh.triangles.push_back(complex.facet(SideIndex(s)));
+  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) {
+    if (facets.contains(SideIndex(s)) && s < complex.mate(s)) mesh.triangles.push_back(complex.facet(SideIndex(s)));
   }
   sort_triangles(mesh);
   return mesh;
@@ -58,6 +72,9 @@ class Run {
 
     Result<Labelling> labels = make_surface(*complex, *boundary, criterion);
     if (!labels) return std::move(labels).error();
+    if (connected) {
+      if (Status joined = join(*labels, *boundary, criterion); !joined) return std::move(joined).error();
+    }
     if (Status begun = begin("surface", 1); !begun) return std::move(begun).error();
     summarise(*labels, criterion);
     result_.mesh = surface_of(*labels, cloud_);
@@ -74,8 +91,11 @@ class Run {
 
   Result<Labelling> make_surface(const DelaunayComplex& complex, const BoundaryComplex& boundary,
                                  const Criterion& criterion) {
-    if (parameters_.lids == Parameters::Lids::none) {
-      return finish(complex, cells_behind(complex, boundary.facets), boundary, criterion);
+    if (parameters_.variant == Parameters::Variant::paper) return papers_way(complex, boundary, criterion);
+    if (parameters_.lids != Parameters::Lids::watershed) {
+      Result<Covered> covered = cover(complex, boundary, Labelling(complex), parameters_.lids);
+      if (!covered) return std::move(covered).error();
+      return finish(complex, cells_behind(complex, covered->facets), boundary, criterion);
     }
     if (Status begun = begin("watershed", 0.7); !begun) return std::move(begun).error();
     const RatedFacets rated = rate_facets(complex, boundary.facets, context_.threads());
@@ -87,6 +107,55 @@ class Run {
     if (!clusters) return clusters.error();
     if (fast) return finish(complex, inside_of(clusters->back()), boundary, criterion);
     return best({complex, criterion, boundary, rated, clusters->at(2), clusters->at(1), clusters->at(0)});
+  }
+
+  /// BC with lids; `labels` are the cells already taken in.
+  Result<Covered> cover(const DelaunayComplex& complex, const BoundaryComplex& boundary, const Labelling& labels,
+                        Parameters::Lids lids) {
+    if (Status begun = begin("cover-holes", 0.75); !begun) return std::move(begun).error();
+    Covered covered{boundary.facets};
+    if (lids == Parameters::Lids::paper) covered = cover_by_artifacts(Walls{labels, boundary.facets});
+    if (lids == Parameters::Lids::ball) {
+      covered = cover_by_balls(complex, boundary.facets, parameters_.delta, context_.threads());
+    }
+    result_.statistics.lids = covered.lids;
+    result_.statistics.artifacts = covered.artifacts;
+    result_.statistics.hull_holes = covered.hull_holes;
+    result_.statistics.delta = covered.delta;
+    return covered;
+  }
+
+  /// Figure 12: conforming, hole covering, inflating, sculpturing.
+  Result<Labelling> papers_way(const DelaunayComplex& complex, const BoundaryComplex& boundary,
+                               const Criterion& criterion) {
+    Labelling labels(complex);
+    labels.assign(cells_behind(complex, boundary.facets), context_.threads());
+    if (Status begun = begin("conform", 0.7); !begun) return std::move(begun).error();
+    const Result<std::size_t> conforming = make_conforming(labels, boundary.facets, criterion, context_);
+    if (!conforming) return conforming.error();
+    result_.statistics.conforming_cells = *conforming;
+
+    const Parameters::Lids lids =
+        parameters_.lids == Parameters::Lids::watershed ? Parameters::Lids::paper : parameters_.lids;
+    const Result<Covered> covered = cover(complex, boundary, labels, lids);
+    if (!covered) return covered.error();
+    std::vector<std::uint8_t> in = cells_behind(complex, covered->facets);
+    for (std::size_t c = 0; c < in.size(); ++c) in[c] = in[c] != 0 || labels.in(CellIndex(c)) ? 1 : 0;
+    labels.assign(in, context_.threads());
+
+    if (Status begun = begin("inflate", 0.85); !begun) return std::move(begun).error();
+    const Result<Inflated> inflated = inflate(labels, covered->facets, criterion, context_, context_.threads());
+    if (!inflated) return inflated.error();
+    result_.statistics.inflated_cells = inflated->cells;
+    result_.statistics.forced_cells = inflated->forced;
+    if (parameters_.stop_after == Parameters::StopAfter::inflated) return labels;
+
+    if (Status begun = begin("sculpture", 0.95); !begun) return std::move(begun).error();
+    const Result<Sculptured> sculptured = sculpture(labels, covered->facets, criterion, context_);
+    if (!sculptured) return sculptured.error();
+    result_.statistics.exposed_vertices = sculptured->exposed;
+    result_.statistics.flipped_edges = sculptured->flipped;
+    return labels;
   }
 
   /// First labels to a manifold: inflating and descent.
@@ -154,12 +223,48 @@ class Run {
     s.flipped_edges = winner.descent.flipped;
   }
 
+  /// components=one: bridges between what is still apart.
+  Status join(Labelling& labels, const BoundaryComplex& boundary, const Criterion& criterion) {
+    if (measure(labels, criterion).components < 2) return Done{};
+    if (Status begun = begin("bridge", 0.97); !begun) return begun;
+    const Result<Bridged> bridged = bridge(labels, boundary.facets, criterion, context_, context_.threads());
+    if (!bridged) return bridged.error();
+    result_.statistics.bridges = bridged->components_before - bridged->components;
+    if (bridged->components < 2) return Done{};
+    result_.warnings.push_back("components_remaining: " + std::to_string(bridged->components) +
+                               " components are left that no chain of cells could join");
+    return Done{};
+  }
+
   void summarise(const Labelling& labels, const Criterion& criterion) {
+    MinimumBoundaryStatistics& s = result_.statistics;
     const Measures measures = measure(labels, criterion);
-    result_.statistics.interior_vertices = measures.interior;
-    result_.statistics.components = measures.components;
-    result_.statistics.genus = measures.handles();
-    result_.statistics.sum_lambda = criterion.length(measures.energy);
+    s.interior_vertices = measures.interior;
+    s.components = measures.components;
+    s.genus = measures.handles();
+    s.sum_lambda = criterion.length(measures.energy);
+    s.sheet_area_share = area_of_sheets(labels, criterion);
+    if (s.sheet_area_share > kDoubtfulSheets) {
+      result_.warnings.push_back("closure_uncertain: " + percent(s.sheet_area_share) +
+                                 " of the area spans openings more than ten times as wide as the points lie apart");
+    }
+    const double handles = static_cast<double>(s.genus) / static_cast<double>(cloud_.size());
+    if (handles > kDoubtfulHandles) {
+      result_.warnings.push_back("topology_uncertain: " + std::to_string(s.genus) + " handles for " +
+                                 std::to_string(cloud_.size()) + " points; the cloud may be noisy");
+    } else if (disagreement()) {
+      result_.warnings.push_back("topology_uncertain: two ways to tell inside from outside end in different topology");
+    }
+    if (parameters_.variant != Parameters::Variant::fast) s.curvature_reduction = curvature_reduction(labels);
+  }
+
+  /// Flood and colouring, the two independent candidates, differ in genus or components.
+  bool disagreement() const {
+    const auto& candidates = result_.statistics.candidates;
+    if (candidates.empty()) return false;
+    const MinimumBoundaryCandidate& flooded = candidates[static_cast<std::size_t>(Recipe::flooded)];
+    const MinimumBoundaryCandidate& coloured = candidates[static_cast<std::size_t>(Recipe::coloured)];
+    return flooded.genus != coloured.genus || flooded.components != coloured.components;
   }
 
   const PointCloud& cloud_;

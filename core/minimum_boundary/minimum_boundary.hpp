@@ -17,7 +17,7 @@ struct MinimumBoundaryParameters {
   /// One component, or as many as the boundary complex without the connectedness condition finds (§8).
   enum class Components : std::uint8_t { one, many };
   /// How holes in the hull of the boundary complex are covered (§5.4 and what is stronger).
-  enum class Lids : std::uint8_t { watershed, ball, paper, mincut, none };
+  enum class Lids : std::uint8_t { watershed, ball, paper, none };
   /// best: all candidates, fused; fast: one candidate; paper: the paper's own way.
   enum class Variant : std::uint8_t { best, fast, paper };
   enum class StopAfter : std::uint8_t { none, boundary_complex, inflated };
@@ -43,6 +43,13 @@ struct MinimumBoundaryStatistics {
   std::size_t cells = 0;
   std::size_t boundary_complex_facets = 0;
   std::size_t reinserted_facets = 0;
+  /// Paper's way: cells taken in to conform (§6.1), artifacts, those with hull holes (§5.3).
+  std::size_t conforming_cells = 0;
+  std::size_t artifacts = 0;
+  std::size_t hull_holes = 0;
+  /// Facets added to cover holes, and the ball ratio that lids=ball chose.
+  std::size_t lids = 0;
+  double delta = 0;
   std::size_t inflated_cells = 0;
   /// Cells taken in by the fallback that Theorem B shows to be unreachable.
   std::size_t forced_cells = 0;
@@ -59,6 +66,12 @@ struct MinimumBoundaryStatistics {
   std::size_t interior_vertices = 0;
   std::size_t components = 0;
   std::int64_t genus = 0;
+  /// components=one: components that were joined by bridges.
+  std::size_t bridges = 0;
+  /// Share of the area in triangles that span openings far wider than the points lie apart.
+  double sheet_area_share = 0;
+  /// The paper's "curv" in percent; not for variant=fast, which has no time for it.
+  std::optional<double> curvature_reduction;
   /// Sum of the longest edges of all triangles, in the unit of the input.
   double sum_lambda = 0;
 };

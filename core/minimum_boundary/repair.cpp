@@ -60,7 +60,7 @@ void clean(const DelaunayComplex& complex, bool islands, std::vector<std::uint8_
     if (island && !islands) continue;
     const bool stays = std::ranges::any_of(cells, [&](CellIndex c) {
       if (complex.infinite(c)) return true;
-      return std::any_of(&complex.vertices[4 * c], &complex.vertices[4 * c] + 4,
+      return std::any_of(&complex.vertex(4 * c), &complex.vertex(4 * c) + 4,
                          [&](VertexIndex v) { return needed_at(c, v); });
     });
     if (stays) continue;
@@ -85,13 +85,13 @@ int Repairer::defect_now(VertexIndex v) { return good(labels_.state(v)) ? 0 : De
 void Repairer::turn(CellIndex c) {
   labels_.flip(c);
   journal_.push_back(c);
-  for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) defects_[complex_.vertices[i]] = defect_now(complex_.vertices[i]);
+  for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) defects_[complex_.vertex(i)] = defect_now(complex_.vertex(i));
 }
 
 void Repairer::roll_back() {
   for (const CellIndex c : journal_) labels_.flip(c);
   for (const CellIndex c : journal_) {
-    for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) defects_[complex_.vertices[i]] = defect_now(complex_.vertices[i]);
+    for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) defects_[complex_.vertex(i)] = defect_now(complex_.vertex(i));
   }
   journal_.clear();
 }
@@ -99,11 +99,11 @@ void Repairer::roll_back() {
 bool Repairer::improving(CellIndex c, Turn& turn) {
   if (complex_.infinite(c) || std::ranges::find(frozen_, c) != frozen_.end()) return false;
   int before = 0;
-  for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) before += defects_[complex_.vertices[i]];
+  for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) before += defects_[complex_.vertex(i)];
   if (before == 0) return false;
   labels_.flip(c);
   int after = 0;
-  for (std::size_t i = 4 * c; i < 4 * c + 4 && after < before; ++i) after += defect_now(complex_.vertices[i]);
+  for (std::size_t i = 4 * c; i < 4 * c + 4 && after < before; ++i) after += defect_now(complex_.vertex(i));
   labels_.flip(c);
   if (after >= before) return false;
   turn = {after - before, energy_change(labels_, criterion_, c), c};
@@ -119,7 +119,7 @@ void Repairer::offer_star(VertexIndex v) {
 
 /// Cells that share a vertex with the cell: their gain may have changed.
 void Repairer::offer_neighbours_of(CellIndex c) {
-  for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) offer_star(complex_.vertices[i]);
+  for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) offer_star(complex_.vertex(i));
 }
 
 bool Repairer::repair_all(const Context& context) {
@@ -157,7 +157,7 @@ bool Repairer::repair_around(std::span<const VertexIndex> vertices, std::span<co
   }
   frozen_ = {};
   return std::ranges::all_of(journal_, [&](CellIndex c) {
-    return std::all_of(&complex_.vertices[4 * c], &complex_.vertices[4 * c] + 4,
+    return std::all_of(&complex_.vertex(4 * c), &complex_.vertex(4 * c) + 4,
                        [&](VertexIndex v) { return defects_[v] == 0; });
   });
 }

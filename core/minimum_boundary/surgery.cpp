@@ -39,7 +39,7 @@ std::vector<SideIndex> loops_of(const Labelling& labels, unsigned threads) {
       for (unsigned i = 0; i < 4; ++i) {
         const SideIndex side(4 * c + i);
         if ((edges & kFacetEdges[i]) != kFacetEdges[i] || labels.on_border(side)) continue;
-        if (side > complex.mates[side] && !complex.infinite(complex.neighbour(side))) continue;
+        if (side > complex.mate(side) && !complex.infinite(complex.neighbour(side))) continue;
         found[c] |= static_cast<std::uint8_t>(1U << i);
       }
     }
@@ -87,7 +87,7 @@ class Surgeon {
     std::vector<VertexIndex> vertices;
     for (const CellIndex c : cells) {
       repairer_.turn(c);
-      vertices.insert(vertices.end(), &complex_.vertices[4 * c], &complex_.vertices[4 * c] + 4);
+      vertices.insert(vertices.end(), &complex_.vertex(4 * c), &complex_.vertex(4 * c) + 4);
     }
     if (!repairer_.repair_around(vertices, cells, kMostTurns)) {
       repairer_.roll_back();
@@ -118,7 +118,7 @@ class Surgeon {
   void collect_vertices(std::span<const CellIndex> cells) {
     vertices_.clear();
     for (const CellIndex c : cells)
-      vertices_.insert(vertices_.end(), &complex_.vertices[4 * c], &complex_.vertices[4 * c] + 4);
+      vertices_.insert(vertices_.end(), &complex_.vertex(4 * c), &complex_.vertex(4 * c) + 4);
     std::ranges::sort(vertices_);
     vertices_.erase(std::ranges::unique(vertices_).begin(), vertices_.end());
   }

@@ -18,6 +18,9 @@ constexpr std::uint32_t kFewestItems = 4;
 /// Share of a cluster's BC_0 facets beyond which the other cluster lies on the other side.
 constexpr double kGuardShare = 0.3;
 
+/// The order by ratio jumps about in memory: so many facets ahead, what they need is asked for.
+constexpr std::size_t kFar = 16;
+constexpr std::size_t kNear = 8;
 constexpr std::size_t kSteps = 1U << 16U;
 
 /// Facets outside BC_0 at or above the lowest level, descending by ratio, ties by side.
@@ -31,7 +34,7 @@ DescendingFacets descending(const DelaunayComplex& complex, const FacetSet& boun
                             std::span<const float> levels) {
   const std::uint32_t lowest = RatedFacets::step_of(levels.back());
   const auto listed = [&](std::size_t s) {
-    return rated.steps[s] >= lowest && s < complex.mates[s] && !boundary.contains(SideIndex(s));
+    return rated.steps[s] >= lowest && s < complex.mate(s) && !boundary.contains(SideIndex(s));
   };
   std::vector<std::size_t> starts(kSteps + 1, 0);
   for (std::size_t s = 0; s < rated.steps.size(); ++s) {
@@ -70,9 +73,15 @@ class Merger {
     outside_ = outside;
   }
 
+  void prefetch(SideIndex far, SideIndex near) const {
+    __builtin_prefetch(&complex_.table[far / 4]);
+    sets_.prefetch(far / 4);
+    sets_.prefetch(complex_.mate(near) / 4);
+  }
+
   void take(SideIndex side) {
     const std::uint32_t a = sets_.find(side / 4);
-    const std::uint32_t b = sets_.find(complex_.mates[side] / 4);
+    const std::uint32_t b = sets_.find(complex_.mate(side) / 4);
     if (a == b || apart(a, b)) return;
     if (opposed(a, b)) {
       keep_apart(a, b);
@@ -102,7 +111,7 @@ class Merger {
     for (std::uint32_t c = first_item(a); c != kNone; c = next_[c]) {
       for (unsigned bits = evidence_[c]; bits != 0; bits &= bits - 1) {
         const std::size_t side = 4 * std::size_t{c} + static_cast<std::size_t>(std::countr_zero(bits));
-        if (sets_.find(complex_.mates[side] / 4) == b) ++count;
+        if (sets_.find(complex_.mate(side) / 4) == b) ++count;
       }
     }
     return count > kGuardShare * items_[a];
@@ -186,7 +195,7 @@ RatedFacets rate_facets(const DelaunayComplex& complex, const FacetSet& boundary
     for (std::size_t c = begin; c < end; ++c) {
       for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
         const bool wall = boundary.contains(SideIndex(s));
-        if (!wall && s > complex.mates[s]) continue;
+        if (!wall && s > complex.mate(s)) continue;
         const float value = ratio.of(SideIndex(s));
         rated.steps[s] = static_cast<std::uint16_t>(RatedFacets::step_of(value));
         if (wall && value < RatedFacets::kEvidenceBelow) rated.evidence[c] |= static_cast<std::uint8_t>(1U << (s % 4));
@@ -209,6 +218,8 @@ Result<std::vector<Clusters>> guarded_watershed(const DelaunayComplex& complex, 
         if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled in the watershed"};
         context.report(static_cast<double>(next) / static_cast<double>(facets.sides.size()));
       }
+      const std::size_t last = facets.sides.size() - 1;
+      merger.prefetch(facets.sides[std::min(next + kFar, last)], facets.sides[std::min(next + kNear, last)]);
       merger.take(facets.sides[next]);
     }
     at_levels.push_back(merger.snapshot());

@@ -10,6 +10,10 @@ Parameters parameters_of(const Json& json) {
   Parameters parameters;
   if (json.at("components") == "many") parameters.components = Parameters::Components::many;
   if (json.at("lids") == "none") parameters.lids = Parameters::Lids::none;
+  if (json.at("lids") == "ball") parameters.lids = Parameters::Lids::ball;
+  if (json.at("lids") == "paper") parameters.lids = Parameters::Lids::paper;
+  if (json.at("delta").is_number()) parameters.delta = json.at("delta").get<double>();
+  if (json.at("variant") == "paper") parameters.variant = Parameters::Variant::paper;
   if (json.at("variant") == "fast") parameters.variant = Parameters::Variant::fast;
   if (json.at("stop_after") == "boundary-complex") parameters.stop_after = Parameters::StopAfter::boundary_complex;
   if (json.at("stop_after") == "inflated") parameters.stop_after = Parameters::StopAfter::inflated;
@@ -33,6 +37,11 @@ Json statistics_json(const MinimumBoundaryStatistics& s) {
   return Json{{"delaunay_cells", s.cells},
               {"boundary_complex_facets", s.boundary_complex_facets},
               {"reinserted_facets", s.reinserted_facets},
+              {"conforming_cells", s.conforming_cells},
+              {"artifacts", s.artifacts},
+              {"hull_holes", s.hull_holes},
+              {"lids", s.lids},
+              {"delta", s.delta},
               {"inflated_cells", s.inflated_cells},
               {"exposed_vertices", s.exposed_vertices},
               {"flipped_edges", s.flipped_edges},
@@ -42,6 +51,9 @@ Json statistics_json(const MinimumBoundaryStatistics& s) {
               {"interior_vertices", s.interior_vertices},
               {"components", s.components},
               {"genus", s.genus},
+              {"bridges", s.bridges},
+              {"sheet_area_share", s.sheet_area_share},
+              {"curvature_reduction", s.curvature_reduction ? Json(*s.curvature_reduction) : Json(nullptr)},
               {"sum_of_longest_edges", s.sum_lambda}};
 }
 
@@ -60,17 +72,29 @@ Json parameter_properties() {
                 {"title", "Connectedness"},
                 {"description", "one asks for a single surface; many drops the paper's connectedness condition."}}},
               {"lids",
-               {{"enum", {"watershed", "none"}},
+               {{"enum", {"watershed", "ball", "paper", "none"}},
                 {"default", "watershed"},
                 {"title", "How holes in the hull of the boundary complex are covered"},
                 {"description",
-                 "watershed merges the Delaunay cells that lie on the same side; none covers nothing and shows "
-                 "why covering is needed."}}},
+                 "watershed merges the Delaunay cells that lie on the same side, highest overlap of their balls first, "
+                 "guarded by the boundary complex; ball adds all facets of low overlap; paper adds the facets between "
+                 "the vertices of artifacts with hull holes; none covers nothing. With variant=paper, watershed "
+                 "stands for paper."}}},
+              {"delta",
+               {{"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"minimum", 0}, {"maximum", 2}}}},
+                {"default", "auto"},
+                {"title", "Overlap below which lids=ball covers"},
+                {"description",
+                 "Ball ratio (r0 + r1 - distance) / min(r0, r1); auto tries a ladder of values and keeps "
+                 "the one that loses the fewest points."},
+                {"x-unit", "1"}}},
               {"variant",
-               {{"enum", {"best", "fast"}},
+               {{"enum", {"best", "fast", "paper"}},
                 {"default", "best"},
                 {"title", "Effort"},
-                {"description", "best compares several labellings and keeps the best parts of each; fast makes one."}}},
+                {"description",
+                 "best compares several labellings and keeps the best parts of each; fast makes one; paper takes the "
+                 "steps of the paper: conforming, hole covering, inflating, sculpturing."}}},
               {"stop_after",
                {{"enum", {"none", "boundary-complex", "inflated"}},
                 {"default", "none"},

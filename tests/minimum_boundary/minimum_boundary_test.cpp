@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <random>
 
+#include "io/io.hpp"
 #include "support/shapes.hpp"
 
 namespace surfaced {
@@ -91,6 +93,72 @@ TEST(MinimumBoundary, is_the_same_at_any_power_of_two_scale) {
     EXPECT_EQ(result.mesh.triangles, expected.mesh.triangles);
     EXPECT_NEAR(result.statistics.sum_lambda / scale, expected.statistics.sum_lambda,
                 1e-9 * expected.statistics.sum_lambda);
+  }
+}
+
+TEST(MinimumBoundary, two_far_spheres_are_two_components_or_one_with_a_bridge_or_a_warning) {
+  std::vector<Point3> points = testing::sphere_points(300);
+  const auto other = testing::sphere_points(300, {6, 0, 0});
+  points.insert(points.end(), other.begin(), other.end());
+  const auto many = reconstruct(points, {.components = Parameters::Components::many});
+  EXPECT_EQ(topology_of(many.mesh).components, 2U);
+  EXPECT_EQ(topology_of(many.mesh).genus, 0);
+  for (const auto variant : {Parameters::Variant::best, Parameters::Variant::fast}) {
+    const auto one = reconstruct(points, {.variant = variant});
+    const Topology topology = topology_of(one.mesh);
+    EXPECT_TRUE(topology.closed && topology.vertex_manifold);
+    const bool warned = !one.warnings.empty() && one.warnings[0].starts_with("components_remaining");
+    EXPECT_EQ(topology.components > 1, warned);
+  }
+}
+
+TEST(MinimumBoundary, nested_shells_are_two_components_when_many_are_welcome) {
+  std::vector<Point3> points = testing::sphere_points(1500);
+  const auto inner = testing::sphere_points(500, {0, 0, 0}, 0.5);
+  points.insert(points.end(), inner.begin(), inner.end());
+  const auto result = reconstruct(points, {.components = Parameters::Components::many});
+  EXPECT_EQ(topology_of(result.mesh).components, 2U);
+  EXPECT_EQ(result.statistics.interior_vertices, 0U);
+  EXPECT_NEAR(signed_volume(result.mesh), 4 * std::numbers::pi / 3 * (1 - 0.125), 0.05);
+}
+
+TEST(MinimumBoundary, papers_own_way_gives_a_sphere_and_a_torus_their_topology) {
+  for (const auto& [points, genus] :
+       {std::pair{testing::sphere_points(400), 0}, std::pair{testing::torus_points(30, 14), 1}}) {
+    const auto result = reconstruct(points, {.variant = Parameters::Variant::paper});
+    EXPECT_EQ(topology_of(result.mesh).genus, genus);
+    EXPECT_EQ(result.statistics.interior_vertices, 0U);
+  }
+}
+
+TEST(MinimumBoundary, a_sphere_with_a_wide_opening_is_closed_with_a_warning) {
+  std::vector<Point3> points = testing::sphere_points(4000);
+  std::erase_if(points, [](const Point3& p) { return p[2] > 0.3; });
+  const auto result = reconstruct(points);
+  EXPECT_EQ(topology_of(result.mesh).genus, 0);
+  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::StartsWith("closure_uncertain")));
+}
+
+TEST(MinimumBoundary, knows_the_topology_of_the_shared_clouds_and_leaves_no_point_inside) {
+  struct Known {
+    std::string name;
+    std::int64_t genus;
+    std::size_t most_interior;
+  };
+  for (const Known& known : {Known{"bunny", 0, 0}, Known{"fandisk", 0, 0}, Known{"fertility", 4, 0},
+                             Known{"elephant", 0, 0}, Known{"octopus", 0, 0}, Known{"heart", 0, 0},
+                             Known{"max_planck", 0, 1}, Known{"igea", 0, 10}, Known{"anchor", 4, 10}}) {
+    const std::string path = std::string(SURFACED_SHARED_DATA) + "/" + known.name + ".ply";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+    const PointCloud cloud = *make_cloud(*read_cloud(path));
+    Context context(2);
+    const auto result = minimum_boundary(cloud, {}, context);
+    ASSERT_TRUE(result) << known.name;
+    const Topology topology = topology_of(result->mesh);
+    EXPECT_TRUE(topology.closed && topology.vertex_manifold && topology.oriented) << known.name;
+    EXPECT_EQ(topology.components, 1U) << known.name;
+    EXPECT_EQ(topology.genus, known.genus) << known.name;
+    EXPECT_LE(result->statistics.interior_vertices, known.most_interior) << known.name;
   }
 }
 

@@ -109,8 +109,8 @@ std::set<std::array<VertexIndex, 3>> slow_boundary_complex(const DelaunayComplex
   using Facet = std::array<VertexIndex, 3>;
   const Criterion criterion(complex);
   std::vector<SideIndex> order;
-  for (std::size_t s = 0; s < complex.mates.size(); ++s) {
-    if (s < complex.mates[s] && complex.facet(SideIndex(s))[2] < complex.points()) order.emplace_back(s);
+  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) {
+    if (s < complex.mate(s) && complex.facet(SideIndex(s))[2] < complex.points()) order.emplace_back(s);
   }
   std::ranges::sort(order, [&](SideIndex a, SideIndex b) { return criterion.less(a, b); });
   std::set<Facet> chosen;
@@ -160,8 +160,8 @@ TEST(BoundaryComplex, agrees_with_the_printed_algorithm_made_from_scratch) {
       const auto fast = boundary_complex(f.complex, Criterion(f.complex), connected, context);
       ASSERT_TRUE(fast);
       std::set<std::array<VertexIndex, 3>> facets;
-      for (std::size_t s = 0; s < f.complex.mates.size(); ++s) {
-        ASSERT_EQ(fast->facets.contains(SideIndex(s)), fast->facets.contains(f.complex.mates[s]));
+      for (std::size_t s = 0; s < 4 * f.complex.cells(); ++s) {
+        ASSERT_EQ(fast->facets.contains(SideIndex(s)), fast->facets.contains(f.complex.mate(s)));
         if (fast->facets.contains(SideIndex(s))) facets.insert(f.complex.facet(SideIndex(s)));
       }
       EXPECT_EQ(facets, slow_boundary_complex(f.complex, connected));
@@ -176,8 +176,8 @@ TEST(BoundaryComplex, has_no_boundary_edge_and_uses_every_point) {
     const auto boundary = boundary_complex(f.complex, Criterion(f.complex), true, context);
     std::map<std::pair<VertexIndex, VertexIndex>, int> uses;
     std::set<VertexIndex> used;
-    for (std::size_t s = 0; s < f.complex.mates.size(); ++s) {
-      if (!boundary->facets.contains(SideIndex(s)) || s > f.complex.mates[s]) continue;
+    for (std::size_t s = 0; s < 4 * f.complex.cells(); ++s) {
+      if (!boundary->facets.contains(SideIndex(s)) || s > f.complex.mate(s)) continue;
       const auto [a, b, c] = f.complex.facet(SideIndex(s));
       used.insert({a, b, c});
       ++uses[{a, b}];
@@ -233,9 +233,9 @@ TEST(Hull, flood_stops_at_walls_and_nowhere_else) {
     Context context;
     const auto boundary = boundary_complex(f.complex, Criterion(f.complex), true, context);
     const auto behind = cells_behind(f.complex, boundary->facets);
-    for (std::size_t s = 0; s < f.complex.mates.size(); ++s) {
+    for (std::size_t s = 0; s < 4 * f.complex.cells(); ++s) {
       if (!boundary->facets.contains(SideIndex(s))) {
-        EXPECT_EQ(behind[s / 4], behind[f.complex.mates[s] / 4]);
+        EXPECT_EQ(behind[s / 4], behind[f.complex.mate(s) / 4]);
       }
       if (f.complex.infinite(CellIndex(s / 4))) {
         EXPECT_EQ(behind[s / 4], 0);

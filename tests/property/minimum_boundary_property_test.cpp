@@ -26,7 +26,14 @@ std::vector<Parameters> variants() {
   bare.lids = Parameters::Lids::none;
   Parameters inflated = fast;
   inflated.stop_after = Parameters::StopAfter::inflated;
-  return {fast, Parameters{}, many, bare, inflated};
+  Parameters papers_way{.variant = Parameters::Variant::paper};
+  Parameters balls = fast;
+  balls.lids = Parameters::Lids::ball;
+  Parameters artifacts = fast;
+  artifacts.lids = Parameters::Lids::paper;
+  Parameters best_many;
+  best_many.components = Parameters::Components::many;
+  return {Parameters{}, fast, papers_way, many, best_many, bare, balls, artifacts, inflated};
 }
 
 bool is_flat(ErrorCode code) {
