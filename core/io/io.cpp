@@ -132,11 +132,12 @@ void warn_of_degenerate(std::size_t triangles, std::vector<std::string>& warning
 
 }  // namespace io
 
-Result<RawCloud> read_cloud(const std::filesystem::path& path, const ReadLimits& limits) {
-  return guarded<RawCloud>(path.string(), [&]() -> Result<RawCloud> {
+Result<RawCloud> read_cloud(const std::filesystem::path& path, const ReadLimits& limits, std::string_view name) {
+  const std::string called = name.empty() ? path.filename().string() : std::string(name);
+  return guarded<RawCloud>(called, [&]() -> Result<RawCloud> {
     Result<ByteSource> source = ByteSource::open(path);
     if (!source) return std::move(source).error();
-    return parse(*source, path.filename().string(), limits);
+    return parse(*source, called, limits);
   });
 }
 

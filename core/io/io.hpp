@@ -26,8 +26,10 @@ struct ReadLimits {
 /// anything is allocated.
 /// @return  the points in file order; input_unreadable, empty_input, unknown_format, malformed_input,
 ///          truncated_input, missing_positions, unsupported_feature, too_many_points.
-/// Coordinates are not judged here (make_cloud does).
-Result<RawCloud> read_cloud(const std::filesystem::path& path, const ReadLimits& limits = {});
+/// Coordinates are not judged here (make_cloud does). Messages call the cloud `name`, or without one by its
+/// file name.
+Result<RawCloud> read_cloud(const std::filesystem::path& path, const ReadLimits& limits = {},
+                            std::string_view name = {});
 
 /// As read_cloud, from bytes in memory; `name` stands in messages.
 Result<RawCloud> parse_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits = {});

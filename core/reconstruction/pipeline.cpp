@@ -86,10 +86,11 @@ PointUse use_of_points(const PointCloud& cloud, const TriangleMesh& mesh, const 
   return use;
 }
 
-Result<PointCloud> load(const std::filesystem::path& path, const ReadLimits& limits, Context& context) {
+Result<PointCloud> load(const std::filesystem::path& path, const ReadLimits& limits, std::string_view name,
+                        Context& context) {
   context.section(kReadUntil);
   context.enter("read", 1);
-  Result<RawCloud> raw = read_cloud(path, limits);
+  Result<RawCloud> raw = read_cloud(path, limits, name);
   if (!raw) return std::move(raw).error();
   return make_cloud(std::move(*raw));
 }
@@ -211,7 +212,7 @@ Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, co
 Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
   const Result<MeshFormat> format = mesh_format_of(request.mesh);
   if (!format) return format.error();
-  const Result<PointCloud> cloud = load(request.cloud, request.limits, context);
+  const Result<PointCloud> cloud = load(request.cloud, request.limits, request.cloud_name, context);
   if (!cloud) return cloud.error();
   context.section(kMethodUntil);
   const Result<Reconstruction> result = run(*cloud, *request.method, request.parameters, context);
@@ -234,7 +235,7 @@ Result<Json> measure_file(const std::filesystem::path& mesh, const std::optional
   if (!decoded) return decoded.error();
   std::optional<PointCloud> cloud;
   if (cloud_path) {
-    Result<PointCloud> loaded = load(*cloud_path, {}, context);
+    Result<PointCloud> loaded = load(*cloud_path, {}, {}, context);
     if (!loaded) return std::move(loaded).error();
     cloud = std::move(*loaded);
   }

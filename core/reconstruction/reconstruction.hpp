@@ -77,6 +77,8 @@ struct FileRequest {
   /// As check_parameters returns them.
   Json parameters;
   ReadLimits limits;
+  /// What messages call the cloud; empty: its file name.
+  std::string cloud_name;
 };
 
 /// Reads the cloud, runs the method, encodes the mesh, measures what a reader of the encoded mesh

@@ -56,7 +56,7 @@ Result<FileRequest> request_of(const Options& options) {
     return Error{ErrorCode::invalid_usage,
                  "--output " + options.output + ": method '" + options.method + "' makes only a mesh"};
   }
-  return FileRequest{options.cloud, options.mesh, *method, std::move(*parameters), {}};
+  return FileRequest{options.cloud, options.mesh, *method, std::move(*parameters), {}, {}};
 }
 
 int reconstruct(const Options& options) {

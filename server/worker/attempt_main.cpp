@@ -47,8 +47,9 @@ Status reconstruct(const AttemptSpec& spec) {
   if (!method) return method.error();
   auto parameters = check_parameters(**method, spec.parameters);
   if (!parameters) return std::move(parameters).error();
-  const FileRequest request{spec.cloud, spec.directory / spec.mesh, *method, std::move(*parameters),
-                            ReadLimits{spec.limits.max_points}};
+  const FileRequest request{
+      spec.cloud, spec.directory / spec.mesh, *method, std::move(*parameters), ReadLimits{spec.limits.max_points},
+      "the cloud"};
   Context context(spec.limits.threads, [](double fraction, std::string_view stage) {
     send(encode(ProgressMessage{fraction, std::string(stage)}));
   });

@@ -36,7 +36,7 @@ class Files : public ::testing::Test {
   Result<Json> reconstruct(const std::filesystem::path& cloud, const std::string& mesh,
                            Json parameters = Json::object()) const {
     Context context;
-    return reconstruct_file({cloud, folder_ / mesh, &front(), *check_parameters(front(), parameters), {}}, context);
+    return reconstruct_file({cloud, folder_ / mesh, &front(), *check_parameters(front(), parameters), {}, {}}, context);
   }
 
   static std::string bytes_of(const std::filesystem::path& path) {
