@@ -1,7 +1,10 @@
 #include "minimum_boundary/candidates.hpp"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <functional>
 #include <optional>
 
 #include "base/parallel.hpp"
@@ -11,32 +14,29 @@
 namespace surfaced::boundary {
 namespace {
 
-constexpr std::array kRecipes{Recipe::flooded, Recipe::cautious, Recipe::coloured, Recipe::coloured_strictly};
 /// Votes below these, in units of the ball ratio, are not followed.
 constexpr float kWeakVote = 0.3F;
 constexpr float kStrongVote = 1.0F;
 
-std::vector<std::uint8_t> first_labels(const Material& m, Recipe recipe) {
-  switch (recipe) {
-    case Recipe::flooded:
-      return inside_of(m.thorough);
-    case Recipe::cautious:
-      return inside_of(m.cautious);
-    case Recipe::coloured:
-    case Recipe::coloured_strictly:
-      break;
-  }
-  const bool strict = recipe == Recipe::coloured_strictly;
-  std::vector<std::uint8_t> in = parity_colouring(m.complex, m.rated, m.colouring, strict ? kStrongVote : kWeakVote);
+/// Below so many points a candidate takes a few milliseconds.
+constexpr std::size_t kSmallCloud = 5000;
+constexpr std::array kFurtherLevels{1.6F, 1.5F, 1.3F, 1.2F, 1.1F};
+
+std::vector<std::uint8_t> first_labels(const Material& m, const Recipe& recipe) {
+  const auto level = std::ranges::find(m.levels, recipe.level) - m.levels.begin();
+  const Clusters& clusters = m.clusters[static_cast<std::size_t>(level)];
+  if (recipe.kind == Recipe::Kind::flooded) return inside_of(clusters);
+  const bool strict = recipe.kind == Recipe::Kind::coloured_strictly;
+  std::vector<std::uint8_t> in = parity_colouring(m.complex, m.rated, clusters, strict ? kStrongVote : kWeakVote);
   clean(m.complex, !strict, in);
   return in;
 }
 
 /// One candidate from first labels to a manifold; none if cancelled.
-std::optional<Candidate> make_candidate(const Material& m, Recipe recipe, const Context& context) {
+std::optional<Candidate> make_candidate(const Material& m, const Recipe& recipe, const Context& context) {
   Candidate candidate{recipe, Labelling(m.complex), {}, {}, {}};
   candidate.labels.assign(first_labels(m, recipe), 1);
-  if (recipe == Recipe::coloured || recipe == Recipe::coloured_strictly) {
+  if (recipe.kind != Recipe::Kind::flooded) {
     if (!Repairer(candidate.labels, m.criterion, 1).repair_all(context)) return std::nullopt;
   }
   const Result<Inflated> inflated = inflate(candidate.labels, m.boundary.facets, m.criterion, context, 1);
@@ -51,31 +51,46 @@ std::optional<Candidate> make_candidate(const Material& m, Recipe recipe, const 
 
 }  // namespace
 
-std::string_view name_of(Recipe recipe) {
-  switch (recipe) {
-    case Recipe::flooded:
-      return "flooded";
-    case Recipe::cautious:
-      return "cautious";
-    case Recipe::coloured:
-      return "coloured";
-    case Recipe::coloured_strictly:
-      return "coloured-strictly";
+std::string name_of(const Recipe& recipe) {
+  constexpr std::array kNames{"flooded", "coloured", "coloured-strictly"};
+  const long hundredths = std::lround(100 * recipe.level);
+  return std::string(kNames[static_cast<std::size_t>(recipe.kind)]) + " at " + std::to_string(hundredths / 100) + "." +
+         std::to_string(hundredths % 100 / 10) + std::to_string(hundredths % 10);
+}
+
+std::vector<Recipe> recipes_for(std::size_t points) {
+  using Kind = Recipe::Kind;
+  std::vector<Recipe> recipes{{Kind::flooded, kThoroughLevel},
+                              {Kind::coloured, kColouringLevel},
+                              {Kind::coloured_strictly, kColouringLevel},
+                              {Kind::flooded, kCautiousLevel}};
+  if (points >= kSmallCloud) return recipes;
+  for (const float level : kFurtherLevels) {
+    for (const Kind kind : {Kind::flooded, Kind::coloured, Kind::coloured_strictly}) recipes.push_back({kind, level});
   }
-  return {};
+  return recipes;
+}
+
+std::vector<float> levels_of(const std::vector<Recipe>& recipes) {
+  std::vector<float> levels;
+  for (const Recipe& recipe : recipes) levels.push_back(recipe.level);
+  std::ranges::sort(levels, std::greater<>());
+  levels.erase(std::ranges::unique(levels).begin(), levels.end());
+  return levels;
 }
 
 Result<std::vector<Candidate>> make_candidates(const Material& material, Context& context) {
-  std::array<std::optional<Candidate>, kRecipes.size()> made;
+  std::vector<std::optional<Candidate>> made(material.recipes.size());
   std::atomic<std::size_t> finished{0};
-  parallel_tasks(context.threads(), kRecipes.size(), [&](std::size_t k) {
-    made[k] = make_candidate(material, kRecipes[k], context);
-    context.report(static_cast<double>(++finished) / kRecipes.size());
+  parallel_tasks(context.threads(), made.size(), [&](std::size_t k) {
+    made[k] = make_candidate(material, material.recipes[k], context);
+    context.report(static_cast<double>(++finished) / static_cast<double>(made.size()));
   });
   std::vector<Candidate> candidates;
   for (std::optional<Candidate>& candidate : made) {
     if (!candidate) return Error{ErrorCode::cancelled, "cancelled while making candidates"};
     candidates.push_back(std::move(*candidate));
+    candidate.reset();
   }
   return candidates;
 }

@@ -1,7 +1,7 @@
 // Several labellings made in different ways, each brought to a manifold; the best is kept.
 #pragma once
 
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "minimum_boundary/descent.hpp"
@@ -11,18 +11,28 @@
 
 namespace surfaced::boundary {
 
-/// How a candidate's first labels are made.
-enum class Recipe : std::uint8_t {
-  /// Outside is what the watershed joins to infinity down to the thorough level.
-  flooded,
-  /// The same down to the cautious level only: for noise.
-  cautious,
-  /// Parity colouring that follows weak votes; cavities and islands cleaned; symmetric repair.
-  coloured,
-  /// Parity colouring that follows strong votes only; cavities cleaned; symmetric repair.
-  coloured_strictly,
+/// How a candidate's first labels are made, from the clusters at one level of the watershed.
+struct Recipe {
+  enum class Kind : std::uint8_t {
+    /// Outside is what the watershed has joined to infinity.
+    flooded,
+    /// Parity colouring that follows weak votes; cavities and islands cleaned; symmetric repair.
+    coloured,
+    /// Parity colouring that follows strong votes only; cavities cleaned; symmetric repair.
+    coloured_strictly,
+  };
+  Kind kind = Kind::flooded;
+  float level = 0;
 };
-std::string_view name_of(Recipe recipe);
+/// As "coloured at 1.40".
+std::string name_of(const Recipe& recipe);
+
+/// The recipes for a cloud of so many points: flood at the thorough level, colouring, strict colouring, flood at
+/// the cautious level (for noise), in this order; for small clouds, where time does not matter and sampling is
+/// sparse, further levels.
+std::vector<Recipe> recipes_for(std::size_t points);
+/// Their levels, descending.
+std::vector<float> levels_of(const std::vector<Recipe>& recipes);
 
 struct Candidate {
   Recipe recipe;
@@ -38,12 +48,13 @@ struct Material {
   const Criterion& criterion;
   const BoundaryComplex& boundary;
   const RatedFacets& rated;
-  const Clusters& thorough;
-  const Clusters& colouring;
-  const Clusters& cautious;
+  const std::vector<Recipe>& recipes;
+  const std::vector<float>& levels;
+  /// At each level.
+  const std::vector<Clusters>& clusters;
 };
 
-/// Makes all candidates, in the order of Recipe, each on one thread, several at a time.
+/// Makes all candidates, in the order of the recipes, each on one thread, several at a time.
 /// @return  cancelled.
 Result<std::vector<Candidate>> make_candidates(const Material& material, Context& context);
 

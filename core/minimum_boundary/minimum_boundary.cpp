@@ -1,5 +1,6 @@
 #include "minimum_boundary/minimum_boundary.hpp"
 
+#include <array>
 #include <cmath>
 #include <new>
 #include <string>
@@ -101,12 +102,18 @@ class Run {
     const RatedFacets rated = rate_facets(complex, boundary.facets, context_.threads());
     const bool fast =
         parameters_.variant == Parameters::Variant::fast || parameters_.stop_after == Parameters::StopAfter::inflated;
-    const std::vector<float> levels =
-        fast ? std::vector{kThoroughLevel} : std::vector{kCautiousLevel, kColouringLevel, kThoroughLevel};
+    if (fast) {
+      constexpr std::array kLevel{kThoroughLevel};
+      const Result<std::vector<Clusters>> clusters =
+          guarded_watershed(complex, boundary.facets, rated, kLevel, context_);
+      if (!clusters) return clusters.error();
+      return finish(complex, inside_of(clusters->front()), boundary, criterion);
+    }
+    const std::vector<Recipe> recipes = recipes_for(complex.points());
+    const std::vector<float> levels = levels_of(recipes);
     const Result<std::vector<Clusters>> clusters = guarded_watershed(complex, boundary.facets, rated, levels, context_);
     if (!clusters) return clusters.error();
-    if (fast) return finish(complex, inside_of(clusters->back()), boundary, criterion);
-    return best({complex, criterion, boundary, rated, clusters->at(2), clusters->at(1), clusters->at(0)});
+    return best({complex, criterion, boundary, rated, recipes, levels, *clusters});
   }
 
   /// BC with lids; `labels` are the cells already taken in.
@@ -212,8 +219,8 @@ class Run {
   void record(const std::vector<Candidate>& candidates, std::size_t chosen, const Criterion& criterion) {
     MinimumBoundaryStatistics& s = result_.statistics;
     for (const Candidate& c : candidates) {
-      s.candidates.push_back({std::string(name_of(c.recipe)), c.measures.components, c.measures.handles(),
-                              c.measures.interior, criterion.length(c.measures.energy)});
+      s.candidates.push_back({name_of(c.recipe), c.measures.components, c.measures.handles(), c.measures.interior,
+                              criterion.length(c.measures.energy)});
     }
     const Candidate& winner = candidates[chosen];
     s.chosen_candidate = name_of(winner.recipe);
@@ -258,12 +265,12 @@ class Run {
     if (parameters_.variant != Parameters::Variant::fast) s.curvature_reduction = curvature_reduction(labels);
   }
 
-  /// Flood and colouring, the two independent candidates, differ in genus or components.
+  /// Flood and colouring, the first two candidates and independent ways, differ in genus or components.
   bool disagreement() const {
     const auto& candidates = result_.statistics.candidates;
     if (candidates.empty()) return false;
-    const MinimumBoundaryCandidate& flooded = candidates[static_cast<std::size_t>(Recipe::flooded)];
-    const MinimumBoundaryCandidate& coloured = candidates[static_cast<std::size_t>(Recipe::coloured)];
+    const MinimumBoundaryCandidate& flooded = candidates[0];
+    const MinimumBoundaryCandidate& coloured = candidates[1];
     return flooded.genus != coloured.genus || flooded.components != coloured.components;
   }
 

@@ -9,6 +9,9 @@ namespace surfaced::boundary {
 namespace {
 
 constexpr std::size_t kCancelStride = 256;
+/// Stars beyond this size are not searched again after every turn: on a fan of thousands of cells that would be
+/// quadratic. Inflating mends what is missed.
+constexpr std::size_t kLargeStar = 256;
 
 /// Facet-connected components of cells with the same label.
 struct CellParts {
@@ -119,7 +122,14 @@ void Repairer::offer_star(VertexIndex v) {
 
 /// Cells that share a vertex with the cell: their gain may have changed.
 void Repairer::offer_neighbours_of(CellIndex c) {
-  for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) offer_star(complex_.vertex(i));
+  Turn turn{};
+  for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) {
+    if (complex_.star(complex_.vertex(i)).size() <= kLargeStar) {
+      offer_star(complex_.vertex(i));
+    } else if (improving(complex_.neighbour(SideIndex(i)), turn)) {
+      queue_.push(turn);
+    }
+  }
 }
 
 bool Repairer::repair_all(const Context& context) {

@@ -67,6 +67,8 @@ class Surgeon {
     const CellIndex c = DelaunayComplex::cell_of(side);
     const CellIndex d = complex_.neighbour(side);
     if (labels_.on_border(side)) return 0;
+    // Three facets shown: the loop runs around a vertex of three triangles, and there is no handle to cut.
+    if (std::popcount(labels_.border(c)) == 3 || std::popcount(labels_.border(d)) == 3) return 0;
     std::vector<std::vector<CellIndex>> choices{{c}};
     if (!complex_.infinite(d)) choices = {{c, d}, {c}, {d}};
     for (const auto& cells : choices) {
@@ -96,17 +98,24 @@ class Surgeon {
     const std::vector<CellIndex> turned = repairer_.journal();
     collect_vertices(turned);
     const std::int64_t interior_after = interior_count();
-    const std::size_t components_after = search_.components(labels_, vertices_);
     repairer_.roll_back();
     const std::int64_t interior_change = interior_after - interior_count();
-    const std::size_t components_before = search_.components(labels_, vertices_);
     Change change;
     for (const CellIndex c : turned) apply(c, change);
     const std::int64_t rise = -interior_change - change.facets / 2;
-    const bool accepted = interior_change <= 0 && rise > 0 && components_after <= components_before &&
-                          change.energy < kMostEnergy * criterion_.energy(side);
+    const bool accepted = interior_change <= 0 && rise > 0 && change.energy < kMostEnergy * criterion_.energy(side) &&
+                          !adds_component(turned);
     if (!accepted) repairer_.roll_back();
     return accepted ? rise : 0;
+  }
+
+  /// Whether the surface had fewer components near these cells before they were turned.
+  bool adds_component(const std::vector<CellIndex>& turned) {
+    const std::size_t after = search_.components(labels_, vertices_);
+    for (const CellIndex c : turned) labels_.flip(c);
+    const std::size_t before = search_.components(labels_, vertices_);
+    for (const CellIndex c : turned) labels_.flip(c);
+    return after > before;
   }
 
   void apply(CellIndex c, Change& change) {
