@@ -25,10 +25,12 @@ constexpr std::size_t kFlagsAt = 9;
 constexpr std::uint16_t kMetadataFlag = 0x8000;
 
 /// Entropy coding can say "a million equal points" in a few bytes, so a file may well be smaller than
-/// its points; but not by any factor. Decoding may take this much memory per byte of the file, and a
-/// small file as much as one of a MiB.
-constexpr std::uint64_t kMemoryPerByte = 160;
+/// its points; but not by any factor. Decoding a file of up to a MiB may take this much memory, and for
+/// every byte beyond that so much more. (A triangle takes 80 bytes; 1.5 bits are the least that the
+/// edgebreaker was seen to need for one, on a regular grid.)
+constexpr std::uint64_t kMemoryOfSmallFile = std::uint64_t{160} << 20;
 constexpr std::uint64_t kSmallFile = std::uint64_t{1} << 20;
+constexpr std::uint64_t kMemoryPerByte = 1024;
 
 /// What Draco and this room hold of a point besides its attributes: ids of a sequencer, and the
 /// position, normal and colour that the caller gets.
@@ -49,7 +51,9 @@ struct Budget {
   std::uint64_t max_points;
   std::optional<Error> refusal;
 
-  std::uint64_t memory() const { return kMemoryPerByte * std::max(file_size, kSmallFile); }
+  std::uint64_t memory() const {
+    return kMemoryOfSmallFile + kMemoryPerByte * (std::max(file_size, kSmallFile) - kSmallFile);
+  }
 
   bool refuse(ErrorCode code, const std::string& what) {
     refusal = Error{code, std::string(name) + ": " + what};

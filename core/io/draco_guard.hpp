@@ -23,7 +23,7 @@ struct DracoGeometry {
 /// Decodes a cloud or mesh of any encoding Draco knows.
 /// @return  the geometry with at least one point; truncated_input, malformed_input, unsupported_feature,
 ///          too_many_points, empty_input. Indices and sizes of attributes are still to be checked.
-/// @cost    no more than about 160 bytes of memory per byte of the file, or 160 MiB for a small one.
+/// @cost    about 160 MiB of memory at most, and a KiB for every byte of the file beyond a MiB.
 Result<DracoGeometry> decode_draco(std::span<const std::byte> bytes, std::string_view name, std::uint64_t max_points);
 
 }  // namespace surfaced::io

@@ -23,6 +23,8 @@ constexpr std::size_t kShortIndices = 65535;
 /// How far from 1 the squared length of a normal may be that is written as it is: what rounding to
 /// float32 leaves of a unit vector.
 constexpr double kUnitTolerance = 4 * std::numeric_limits<float>::epsilon();
+/// A larger mesh stays where it is: around another origin its coordinates could leave float32's range.
+constexpr double kLargestShifted = static_cast<double>(std::numeric_limits<float>::max()) / 4;
 constexpr std::uint64_t kGlbLimit = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kGlbMagic = 0x46546C67;
 constexpr std::uint32_t kGlbJson = 0x4E4F534A;
@@ -36,6 +38,7 @@ Point3 origin_of(const std::vector<Point3>& positions) {
   const Bounds bounds = bounds_of(positions);
   double side = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) side = std::max(side, bounds.high[axis] - bounds.low[axis]);
+  if (side > kLargestShifted) return {};
   Point3 origin{};
   int exponent = 0;
   std::frexp(side, &exponent);

@@ -103,6 +103,13 @@ class PlyReader {
     return Done{};
   }
 
+  /// After run: a sentence if more follows than blanks, as when a count is too small.
+  void warn_of_rest(std::vector<std::string>& warnings) {
+    if (rows_.begin_row()) {
+      warnings.push_back(std::to_string(source_.remaining()) + " bytes after the last element ignored");
+    }
+  }
+
   static std::optional<std::size_t> corner_property(const PlyElement& element) {
     for (const std::string_view name : {"vertex_indices", "vertex_index"}) {
       const auto found = element.find(name);
@@ -298,8 +305,11 @@ Result<RawCloud> read_ply_cloud(ByteSource& source, std::string_view name, const
   if (!header) return header.error();
   Result<VertexSink> sink = make_sink(*header, name, limits);
   if (!sink) return std::move(sink).error();
-  if (Status status = PlyReader(source, name, *header).run(&*sink, nullptr); !status) return std::move(status).error();
-  return sink->finish();
+  PlyReader reader(source, name, *header);
+  if (Status status = reader.run(&*sink, nullptr); !status) return std::move(status).error();
+  RawCloud cloud = sink->finish();
+  reader.warn_of_rest(cloud.warnings);
+  return cloud;
 }
 
 Result<TriangleMesh> read_ply_mesh(ByteSource& source, std::string_view name, std::vector<std::string>& warnings) {
@@ -314,9 +324,11 @@ Result<TriangleMesh> read_ply_mesh(ByteSource& source, std::string_view name, st
   }
   TriangleMesh mesh;
   FaceSink faces(mesh, static_cast<std::size_t>(header->find("vertex")->count));
-  if (Status status = PlyReader(source, name, *header).run(&*sink, &faces); !status) return std::move(status).error();
+  PlyReader reader(source, name, *header);
+  if (Status status = reader.run(&*sink, &faces); !status) return std::move(status).error();
   RawCloud cloud = sink->finish();
   warnings.insert(warnings.end(), cloud.warnings.begin(), cloud.warnings.end());
+  reader.warn_of_rest(warnings);
   warn_of_degenerate(faces.degenerate(), warnings);
   mesh.positions = std::move(cloud.positions);
   mesh.normals = std::move(cloud.normals);

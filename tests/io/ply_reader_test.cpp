@@ -285,6 +285,22 @@ TEST(PlyReader, streams_a_file_to_the_same_cloud_as_from_memory) {
   }
 }
 
+TEST(PlyReader, says_how_much_follows_the_last_element) {
+  for (const PlyForm form : kForms) {
+    PlyBuilder ply(form);
+    ply.element("vertex", 1).property("uchar", "x").property("uchar", "y").property("uchar", "z");
+    for (int i = 0; i < 2; ++i) ply.value("uchar", 100).value("uchar", 101).value("uchar", 102).end_row();
+    const auto cloud = parse_text(ply.text());
+    ASSERT_TRUE(cloud.ok()) << detail_of(cloud);
+    EXPECT_THAT(cloud->positions, SizeIs(1));
+    EXPECT_THAT(cloud->warnings, ElementsAre(HasSubstr(" bytes after the last element ignored")));
+  }
+  EXPECT_THAT(
+      parse_text("ply\nformat ascii 1.0\nelement vertex 1\n" + std::string(kThreeAxes) + "end_header\n1 2 3\n\n \r\n")
+          ->warnings,
+      IsEmpty());
+}
+
 TEST(PlyMesh, cuts_polygons_into_fans_and_leaves_degenerate_triangles_out) {
   for (const PlyForm form : kForms) {
     for (const char* name : {"vertex_indices", "vertex_index"}) {

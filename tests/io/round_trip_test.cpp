@@ -127,6 +127,21 @@ TEST(RoundTrip, doubles_far_away_lose_less_than_half_a_float32_step_of_the_meshs
   }
 }
 
+TEST(RoundTrip, doubles_at_the_ends_of_float32_stay_finite_in_gltf) {
+  TriangleMesh mesh = tetrahedron();
+  for (Point3& p : mesh.positions) {
+    for (double& x : p) x *= 3.4e38;
+  }
+  mesh.positions[0][0] = 0.1;
+  const auto back = decode_mesh(encode_mesh(mesh, MeshFormat::glb).value(), "mesh");
+  ASSERT_TRUE(back.ok()) << detail_of(back);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(back->positions[i][axis], static_cast<double>(static_cast<float>(mesh.positions[i][axis])));
+    }
+  }
+}
+
 TEST(RoundTrip, quantised_draco_errs_by_no_more_than_half_a_step) {
   const TriangleMesh mesh = as_floats(torus_mesh(40, 30));
   std::size_t before = encode_mesh(mesh, MeshFormat::drc).value().size();

@@ -1,5 +1,7 @@
 // What readers of other people make of the meshes that `surfaced reconstruct` writes.
 import assert from 'node:assert/strict';
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import path from 'node:path';
 import { before, describe, test } from 'node:test';
 import { Vector3 } from 'three';
 import { asSet, openPlyWithThree, openWithDraco, openWithThree, plyOf, reconstruct, sphere, validate } from './support.mjs';
@@ -118,6 +120,24 @@ describe('quantised Draco', () => {
       }
       assert.ok(Math.abs(worst - report.encoding.max_error) <= 1e-9, `${worst} and ${report.encoding.max_error}`);
       assert.ok(worst <= Math.sqrt(3) * 1.001 / (2 ** bits - 1), `${worst}`);
+    });
+  }
+});
+
+describe('the clouds of shared/data', () => {
+  const folder = process.env.SURFACED_SHARED_DATA ?? '';
+  const names = existsSync(folder) ? readdirSync(folder).filter((name) => /\.(ply|drc)$/.test(name)) : [];
+
+  test('are there', { skip: names.length === 0 && 'shared/data is not there' }, () => assert.ok(names.length > 0));
+
+  for (const name of names) {
+    test(`${name} becomes a GLB that the validator passes and three.js counts as the report does`, async () => {
+      const { bytes, report } = reconstruct(readFileSync(path.join(folder, name)), 'glb');
+      const { issues } = await validate(bytes);
+      assert.deepEqual(issues.messages.filter(({ severity }) => severity <= 1), []);
+      const { positions, indices } = await openWithThree(bytes);
+      assert.equal(positions.length, 3 * report.mesh.vertices);
+      assert.equal(indices.length, 3 * report.mesh.triangles);
     });
   }
 });
