@@ -40,6 +40,7 @@ bool is_among(const auto& kinds, std::string_view name) {
 
 /// Reads "mesh.ply,report.json": one mesh; report and log are always made.
 Result<std::string> mesh_among(std::string_view list) {
+  const std::string_view whole = list;
   std::string mesh;
   while (!list.empty()) {
     const std::string name(list.substr(0, list.find(',')));
@@ -51,7 +52,7 @@ Result<std::string> mesh_among(std::string_view list) {
     }
     if (!mesh.empty() && mesh != name) {
       return Error{ErrorCode::unknown_output,
-                   "outputs names " + mesh + " and " + name + "; a job makes one mesh format"};
+                   "outputs names more than one mesh: '" + std::string(whole) + "'; a job makes one"};
     }
     mesh = name;
   }

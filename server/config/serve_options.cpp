@@ -6,7 +6,7 @@
 namespace surfaced {
 namespace {
 
-constexpr std::uint64_t kDay = 24 * 3600;
+constexpr std::uint64_t kDay = std::uint64_t{24} * 3600;
 constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 60;
 
 /// --job-memory becomes SURFACED_JOB_MEMORY.

@@ -23,7 +23,7 @@ struct Settings {
   /// Seconds that POST /v1/reconstruct waits for the mesh.
   std::uint64_t wait_limit = 30;
   /// Seconds that a job is kept after its end.
-  std::uint64_t ttl = 24 * 3600;
+  std::uint64_t ttl = std::uint64_t{24} * 3600;
 
   /// Bytes of a request's body.
   std::uint64_t body_limit = std::uint64_t{4} << 30;
