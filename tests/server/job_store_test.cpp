@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "jobs/sqlite_job_store.hpp"
@@ -204,7 +205,7 @@ TEST_F(JobStoreTest, many_threads_claim_every_job_once) {
   }
   for (auto& thread : threads) thread.join();
   std::ranges::sort(claimed);
-  EXPECT_EQ(std::ranges::unique(claimed).begin(), claimed.end());
+  EXPECT_EQ(std::adjacent_find(claimed.begin(), claimed.end()), claimed.end());
   EXPECT_EQ(claimed.size(), static_cast<std::size_t>(kJobs));
 }
 
