@@ -1,6 +1,8 @@
 // Every answer of a running server against the contract that it serves.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { spawnSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { Contract, readJson, source, startServer } from './support.mjs';
@@ -129,6 +131,36 @@ test('wrong requests have their codes', async () => {
   await expect(405, 'method_not_allowed', call('PUT', '/v1/jobs', { body: 'x' }));
   await expect(415, 'unsupported_content_encoding', post('/v1/jobs?method=advancing-front', knot, { 'content-encoding': 'br' }));
   await expect(404, 'method_not_found', call('GET', '/v1/methods/magic'));
+});
+
+test('the line of the README gives a mesh of the shipped sample', async () => {
+  const { status, body } = await post('/v1/reconstruct?output=glb', knot);
+  assert.equal(status, 200);
+  const report = gltfJson(body).asset.extras;
+  assert.equal(report.method, (await call('GET', '/v1/methods')).body.methods[0].id);
+  assert.ok(report.mesh.closed && report.mesh.vertex_manifold);
+  assert.equal(report.mesh.vertices, 6000);
+});
+
+test('the curl example waits, downloads and prints the report, and shows a problem', () => {
+  const folder = mkdtempSync(path.join(tmpdir(), 'surfaced-curl-'));
+  const run = (...words) =>
+    spawnSync(path.join(source, 'client-examples/curl/reconstruct.sh'), words, {
+      encoding: 'utf8',
+      env: { ...process.env, SURFACED_URL: server.base },
+    });
+  try {
+    const good = run(path.join(source, 'client-examples/samples/knot.ply'), path.join(folder, 'knot.glb'), 'method=advancing-front', 'beta=0.5');
+    assert.equal(good.status, 0, good.stderr);
+    assert.equal(JSON.parse(good.stdout).parameters.beta, 0.5);
+    gltfJson(readFileSync(path.join(folder, 'knot.glb')));
+    const bad = run(path.join(source, 'README.md'), path.join(folder, 'none.glb'), 'method=advancing-front');
+    assert.notEqual(bad.status, 0);
+    assert.match(bad.stderr, /unknown_format/);
+    assert.equal(run('--help').status, 0);
+  } finally {
+    rmSync(folder, { recursive: true, force: true });
+  }
 });
 
 test('probes, index, methods and the contract answer as declared', async () => {
