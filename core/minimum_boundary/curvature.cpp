@@ -9,8 +9,6 @@
 namespace surfaced::boundary {
 namespace {
 
-constexpr int kPasses = 3;
-
 class Bending {
  public:
   explicit Bending(Labelling& labels) : labels_(labels), complex_(labels.complex()) {}
@@ -19,9 +17,12 @@ class Bending {
     double sum = 0;
     for (std::size_t s = 0; s < 4 * complex_.cells(); ++s) {
       if (!labels_.in(CellIndex(s / 4)) || !labels_.on_border(SideIndex(s))) continue;
-      for (const VertexIndex v : complex_.facet(SideIndex(s))) sum += over_edge(SideIndex(s), v);
+      for (const VertexIndex v : complex_.facet(SideIndex(s))) {
+        const SideIndex next = beyond(SideIndex(s), v);
+        if (s < next) sum += bend(SideIndex(s), next, v);
+      }
     }
-    return sum / 2;
+    return sum;
   }
 
   /// Flips the cell if that lowers K; returns by how much.
@@ -50,18 +51,22 @@ class Bending {
     return sum;
   }
 
-  /// |angle| times length at the facet's edge opposite v.
-  double over_edge(SideIndex side, VertexIndex v) const {
+  /// The surface facet over the edge opposite v, seen from the same label.
+  SideIndex beyond(SideIndex side, VertexIndex v) const {
     VertexIndex behind = v;
-    SideIndex next;
     for (SideIndex entry = side;;) {
       std::size_t exit = entry / 4 * 4;
       while (complex_.vertex(exit) != behind) ++exit;
-      next = SideIndex(exit);
-      if (labels_.on_border(next)) break;
+      if (labels_.on_border(SideIndex(exit))) return SideIndex(exit);
       behind = complex_.vertex(entry);
       entry = complex_.mate(exit);
     }
+  }
+
+  double over_edge(SideIndex side, VertexIndex v) const { return bend(side, beyond(side, v), v); }
+
+  /// |angle| times length at the edge of `side` opposite v, between it and `next`.
+  double bend(SideIndex side, SideIndex next, VertexIndex v) const {
     const Point3 m = normal(side);
     const Point3 n = normal(next);
     const auto facet = complex_.facet(side);
@@ -85,9 +90,7 @@ double curvature_reduction(Labelling labels) {
   Bending bending(labels);
   const double total = bending.total();
   double removed = 0;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    for (std::size_t c = 0; c < labels.complex().cells(); ++c) removed += bending.improve(CellIndex(c));
-  }
+  for (std::size_t c = 0; c < labels.complex().cells(); ++c) removed += bending.improve(CellIndex(c));
   return total > 0 ? 100 * removed / total : 0;
 }
 
