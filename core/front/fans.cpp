@@ -66,28 +66,39 @@ Around Fans::around(std::uint32_t v) const {
   return closed ? Around::closed : Around::open;
 }
 
-std::size_t Fans::fans(std::uint32_t v) const {
+std::vector<std::vector<Wedge>> Fans::fans_at(std::uint32_t v) const {
   const auto list = wedges(v);
   std::vector<Wedge> left(list.begin(), list.end());
-  std::size_t count = 0;
+  std::vector<std::vector<Wedge>> all;
   while (!left.empty()) {
-    ++count;
-    Wedge chain = left.back();
-    left.pop_back();
-    for (bool grown = true; grown;) {
-      grown = false;
-      for (std::size_t i = 0; i < left.size(); ++i) {
-        const bool after = left[i].first == chain.second;
-        if (!after && left[i].second != chain.first) continue;
-        (after ? chain.second : chain.first) = after ? left[i].second : left[i].first;
-        left[i] = left.back();
-        left.pop_back();
-        grown = true;
-        break;
+    std::vector<Wedge>& fan = all.emplace_back();
+    const auto take = [&](std::size_t i) {
+      fan.push_back(left[i]);
+      left[i] = left.back();
+      left.pop_back();
+    };
+    take(0);
+    for (std::size_t k = 0; k < fan.size(); ++k) {
+      for (std::size_t i = 0; i < left.size();) {
+        const bool touches = left[i].first == fan[k].second || left[i].second == fan[k].first;
+        touches ? take(i) : static_cast<void>(++i);
       }
     }
   }
-  return count;
+  return all;
+}
+
+std::size_t Fans::fans(std::uint32_t v) const { return fans_at(v).size(); }
+
+std::vector<Wedge> Fans::smallest_fan(std::uint32_t v) const {
+  auto all = fans_at(v);
+  const auto less = [](const Wedge& a, const Wedge& b) {
+    return a.first != b.first ? a.first < b.first : a.second < b.second;
+  };
+  for (auto& fan : all) std::ranges::sort(fan, less);
+  return *std::ranges::min_element(all, [&](const auto& a, const auto& b) {
+    return a.size() != b.size() ? a.size() < b.size() : less(a.front(), b.front());
+  });
 }
 
 void Fans::link(const Face& f) {

@@ -54,6 +54,8 @@ class Fans {
   Around around(std::uint32_t v) const;
   /// Number of separate fans and umbrellas at v.
   std::size_t fans(std::uint32_t v) const;
+  /// The wedges of the fan at v with the fewest faces; of several the one with the least wedge.
+  std::vector<Wedge> smallest_fan(std::uint32_t v) const;
 
   /// Requires that none of the face's directed edges is used.
   void add(const Face& face);
@@ -74,6 +76,7 @@ class Fans {
   std::vector<Wedge>& own(std::uint32_t v);
   void link(const Face& face);
   void unlink(const Face& face);
+  std::vector<std::vector<Wedge>> fans_at(std::uint32_t v) const;
   template <class Visit>
   void visit_settled(std::uint32_t v, Visit&& visit) const;
 

@@ -1,0 +1,54 @@
+#include <algorithm>
+#include <cmath>
+
+#include "front/sewing.hpp"
+
+namespace surfaced::front {
+
+Places::Places(const BoxTree& tree, const LocalStars& stars, const SewingParameters& parameters)
+    : tree_(tree), stars_(stars), parameters_(parameters), search_(tree), list_of_(tree.points(), kNoVertex) {}
+
+Point3 Places::normal(std::uint32_t v) const {
+  const Normal3& n = stars_.normals[v];
+  return {static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])};
+}
+
+std::size_t Places::list_of(std::uint32_t v) {
+  if (list_of_[v] != kNoVertex) return list_of_[v];
+  constexpr std::size_t kSpacingRank = 6;
+  search_.nearest_anywhere(v, parameters_.reach, found_);
+  std::vector<double> distances(found_.distance2.begin(),
+                                found_.distance2.begin() + static_cast<std::ptrdiff_t>(found_.count));
+  const auto ranked = distances.begin() + static_cast<std::ptrdiff_t>(std::min(kSpacingRank, distances.size()) - 1);
+  std::ranges::nth_element(distances, ranked);
+  list_of_[v] = static_cast<std::uint32_t>(lists_.size());
+  spacings_.push_back(static_cast<float>(std::sqrt(*ranked)));
+  lists_.push_back(static_cast<std::uint32_t>(spacings_.size() - 1));
+  lists_.push_back(static_cast<std::uint32_t>(found_.count));
+  lists_.insert(lists_.end(), found_.index.begin(), found_.index.begin() + static_cast<std::ptrdiff_t>(found_.count));
+  return list_of_[v];
+}
+
+std::span<const std::uint32_t> Places::neighbours(std::uint32_t v) {
+  const std::size_t at = list_of(v);
+  return {lists_.data() + at + 2, lists_[at + 1]};
+}
+
+double Places::spacing(std::uint32_t v) { return static_cast<double>(spacings_[lists_[list_of(v)]]); }
+
+bool Places::short_enough(std::uint32_t a, std::uint32_t b) {
+  if (!parameters_.max_edge) return true;
+  return norm(position(a) - position(b)) <= *parameters_.max_edge * std::max(spacing(a), spacing(b));
+}
+
+Point3 area_normal(const Places& places, const Face& face) {
+  const Point3 a = places.position(face[0]);
+  return cross(places.position(face[1]) - a, places.position(face[2]) - a);
+}
+
+double cosine(const Point3& a, const Point3& b) {
+  const double lengths = norm(a) * norm(b);
+  return lengths > 0 ? dot(a, b) / lengths : -1;
+}
+
+}  // namespace surfaced::front
