@@ -46,6 +46,13 @@ std::size_t open_edge_count(const Fans& fans, const Vertices& vertices) {
   return edges.size();
 }
 
+/// Which of the vertices have faces.
+std::vector<bool> in_use(const Fans& fans, const Vertices& vertices) {
+  std::vector<bool> used;
+  for (const std::uint32_t v : vertices) used.push_back(fans.around(v) != Around::nothing);
+  return used;
+}
+
 /// The connected rims at v, as one set of vertices; empty if it is larger than allowed.
 Vertices hole_at(const Fans& fans, std::uint32_t v, std::size_t longest) {
   Vertices hole{v};
@@ -69,6 +76,7 @@ Result<bool> attempt(Fans& fans, Places& places, const Vertices& hole, std::size
   const std::size_t before = fans.mark();
   const Vertices region = ring < 2 ? hole : widened(fans, hole);
   const Vertices around = widened(fans, region);
+  const std::vector<bool> used = in_use(fans, around);
   open_up(fans, region, ring == 0 ? 2 : 1);
   Front front(fans, places);
   for (const Pass& pass : {Pass{0.5, false}, Pass{std::max(0.0, least_cosine), true}}) {
@@ -76,10 +84,10 @@ Result<bool> attempt(Fans& fans, Places& places, const Vertices& hole, std::size
   }
   const Vertices touched = widened(fans, around);
   close_holes(fans, places, touched, {longest, least_cosine});
-  if (open_edge_count(fans, touched) == 0 &&
-      std::ranges::all_of(touched, [&](std::uint32_t v) { return fans.fans(v) <= 1; })) {
-    return true;
-  }
+  const bool closed = open_edge_count(fans, touched) == 0;
+  const bool manifold = std::ranges::all_of(touched, [&](std::uint32_t v) { return fans.fans(v) <= 1; });
+  // Taking faces away alone would leave no open edge either.
+  if (closed && manifold && in_use(fans, around) == used) return true;
   fans.undo(before);
   return false;
 }

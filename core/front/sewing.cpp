@@ -32,7 +32,7 @@ std::optional<Front::Entry> Front::candidate(Edge e) {
   if (behind == kNoVertex || fans_.uses(e)) return std::nullopt;
   near_.clear();
   for (const std::uint32_t v : {e.from, e.to}) {
-    const auto list = places_.neighbours(v);
+    const auto list = among_ == Pass::Among::stars ? places_.star(v) : places_.neighbours(v);
     near_.insert(near_.end(), list.begin(), list.end());
     edges_.clear();
     open_edges(fans_, v, edges_);
@@ -64,7 +64,10 @@ std::optional<Front::Entry> Front::candidate(Edge e) {
   const Point3 c = places_.position(apex);
   const double radius = norm(b - a) * norm(c - b) * norm(a - c) / (2 * norm(normal));
   const double bend = 1 - cosine(normal, old_normal);
-  return Entry{radius * (1 + 2 * bend * bend), e, apex};
+  const double key = radius * (1 + 2 * bend * bend);
+  // A face without area has no place in the queue.
+  if (!std::isfinite(key)) return std::nullopt;
+  return Entry{key, e, apex};
 }
 
 void Front::consider(Edge e) {
@@ -85,6 +88,7 @@ Result<std::size_t> Front::advance(const Pass& pass, Context& context) {
 Result<std::size_t> Front::advance(const Pass& pass, std::span<const std::uint32_t> from, Context& context) {
   constexpr std::size_t kStepsBetweenChecks = 4096;
   queue_ = {};
+  among_ = pass.among;
   std::vector<Edge> open;
   for (const std::uint32_t v : from) {
     open.clear();

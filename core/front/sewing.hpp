@@ -29,6 +29,8 @@ struct Pass {
   double least_cosine;
   /// Whether a face may touch a vertex of the front without sharing an edge there.
   bool glue;
+  /// Where an edge looks for its third vertex: in the stars of its ends, which are at hand, or among all near points.
+  enum class Among : std::uint8_t { stars, near } among = Among::near;
 };
 
 /// Positions, normals and neighbourhoods of the points that the front comes to.
@@ -38,6 +40,8 @@ class Places {
 
   Point3 position(std::uint32_t v) const { return tree_.local(v); }
   Point3 normal(std::uint32_t v) const;
+  /// The local star.
+  std::span<const std::uint32_t> star(std::uint32_t v) const { return stars_.star(v); }
   /// Nearest neighbours, ascending by index. The span lives until the next call.
   std::span<const std::uint32_t> neighbours(std::uint32_t v);
   /// Distance of the 6th nearest neighbour: about the length of a triangle's edge.
@@ -105,6 +109,7 @@ class Front {
 
   Fans& fans_;
   Places& places_;
+  Pass::Among among_ = Pass::Among::near;
   std::priority_queue<Entry> queue_;
   std::vector<std::uint32_t> near_;
   std::vector<Edge> edges_;

@@ -92,6 +92,10 @@ double signed_volume(const TriangleMesh& mesh);
 /// fact, for an open sheet). Components that are not oriented stay as they are.
 void orient_outwards(TriangleMesh& mesh);
 
+/// The same for a mesh that is known to be an oriented manifold: `rim` holds the vertices of its open edges.
+/// @cost  O(V + F); 16 bytes per triangle instead of the half-edges.
+void orient_manifold_outwards(TriangleMesh& mesh, std::span<const VertexIndex> rim);
+
 /// Turns the triangles so that the least vertex of each comes first and sorts them: the same set of
 /// triangles then always has the same bytes.
 void sort_triangles(TriangleMesh& mesh);

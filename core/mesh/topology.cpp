@@ -224,9 +224,25 @@ void orient_outwards(TriangleMesh& mesh) {
   }
 }
 
+void orient_manifold_outwards(TriangleMesh& mesh, std::span<const VertexIndex> rim) {
+  const Components components = components_of(mesh);
+  std::vector<Part> parts = centred_parts(mesh, components);
+  std::vector<bool> on_rim(mesh.positions.size(), false);
+  for (const VertexIndex v : rim) on_rim[v] = true;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Part& part = parts[components.of_triangle[t]];
+    part.volume += triangle_volume(mesh, mesh.triangles[t], part.centre);
+    part.agreement += agreement_with_normals(mesh, mesh.triangles[t]);
+    for (const VertexIndex v : mesh.triangles[t]) part.closed &= !on_rim[v];
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (parts[components.of_triangle[t]].faces_inwards()) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  }
+}
+
 void sort_triangles(TriangleMesh& mesh) {
   for (Triangle& t : mesh.triangles) std::rotate(t.begin(), std::ranges::min_element(t), t.end());
-  std::ranges::sort(mesh.triangles);
+  if (!std::ranges::is_sorted(mesh.triangles)) std::ranges::sort(mesh.triangles);
 }
 
 }  // namespace surfaced

@@ -23,7 +23,8 @@ Json common_properties() {
 }
 
 const std::vector<Method>& table() {
-  static const std::vector<Method> methods{minimum_boundary_method(), advancing_front_method()};
+  static const std::vector<Method> methods{minimum_boundary_method(), local_delaunay_method(),
+                                           advancing_front_method()};
   return methods;
 }
 

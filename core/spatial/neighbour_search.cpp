@@ -48,12 +48,11 @@ SURFACED_INLINE std::size_t scan_body(const Gathered& points, const Point3& q, f
     y -= qy;
     z -= qz;
     const Floats d = __builtin_convertvector(x * x + y * y + z * z, Floats);
-    unsigned bits = lanes::at_most(d, limit);
-    while (bits != 0) {
-      const auto lane = static_cast<unsigned>(std::countr_zero(bits));
-      bits &= bits - 1;
+    // Written whether it counts or not: which points are near is anybody's guess, and branches on it are wrong often.
+    for (unsigned lane = 0; lane < kLanes; ++lane) {
       hits[n] = static_cast<std::uint32_t>(j + lane);
-      hit_distance2[n++] = d[lane];
+      hit_distance2[n] = d[lane];
+      n += d[lane] <= limit ? 1U : 0U;
     }
   }
   return n;
@@ -70,13 +69,13 @@ std::size_t scan_narrow(const Gathered& points, const Point3& q, float limit, st
 
 /// How many of the values (padded with infinity) are at most `limit`.
 std::size_t count_at_most(const float* values, std::size_t count, float limit) {
-  std::size_t n = 0;
+  lanes::Counts counts{};
   for (std::size_t j = 0; j < count; j += kLanes) {
     Floats v;
     lanes::load(values + j, v);
-    n += static_cast<std::size_t>(std::popcount(lanes::at_most(v, limit)));
+    lanes::count_at_most(v, limit, counts);
   }
-  return n;
+  return static_cast<std::size_t>(counts[0] + counts[1] + counts[2] + counts[3]);
 }
 
 /// A value that exactly k of the values do not exceed, or, where ties leave none, the k-th smallest.
@@ -127,7 +126,7 @@ void NeighbourSearch::gather(const BoxTree::Box& box, float radius) {
     for (auto* array : {&x_, &y_, &z_}) array->resize(size);
     index_.resize(size);
     distance2_.resize(size);
-    hits_.resize(size);
+    hits_.resize(size + kLanes);
     hit_distance2_.resize(size + kLanes);
   }
   std::size_t n = 0;
@@ -160,9 +159,8 @@ void NeighbourSearch::begin_leaf(std::size_t leaf, std::size_t k) {
   }
 }
 
-void NeighbourSearch::keep(std::size_t v, std::size_t candidate, Neighbours& result) const {
+void NeighbourSearch::keep(std::size_t v, const Point3& q, std::size_t candidate, Neighbours& result) const {
   if (index_[candidate] == v) return;
-  const Point3 q = tree_.local(v);
   const std::size_t n = result.count++;
   result.index[n] = index_[candidate];
   result.x[n] = x_[candidate] - q[0];
@@ -194,7 +192,8 @@ void pad(Neighbours& result) {
 bool NeighbourSearch::try_nearest(std::size_t v, std::size_t k, float limit2, Neighbours& result) {
   const Gathered points{x_.data(), y_.data(), z_.data(), gathered_};
   const auto scan = lanes::wide_machine() ? scan_wide : scan_narrow;
-  const std::size_t n = scan(points, tree_.local(v), limit2, hits_.data(), hit_distance2_.data());
+  const Point3 q = tree_.local(v);
+  const std::size_t n = scan(points, q, limit2, hits_.data(), hit_distance2_.data());
   if (n < k + 1) return false;
   for (std::size_t j = n; j < n + kLanes; ++j) hit_distance2_[j] = kInfinity;
   const float most = threshold(hit_distance2_.data(), n, k + 1, limit2);
@@ -203,13 +202,13 @@ bool NeighbourSearch::try_nearest(std::size_t v, std::size_t k, float limit2, Ne
   make_room(result, k + 1);
   if (surplus == 0) {
     for (std::size_t j = 0; j < n; ++j) {
-      if (hit_distance2_[j] <= most) keep(v, hits_[j], result);
+      if (hit_distance2_[j] <= most) keep(v, q, hits_[j], result);
     }
   } else {
     std::size_t ties = 0;
     for (std::size_t j = 0; j < n; ++j) ties += hit_distance2_[j] == most ? 1U : 0U;
     for (std::size_t j = 0; j < n; ++j) {
-      if (hit_distance2_[j] == most ? ties-- > surplus : hit_distance2_[j] < most) keep(v, hits_[j], result);
+      if (hit_distance2_[j] == most ? ties-- > surplus : hit_distance2_[j] < most) keep(v, q, hits_[j], result);
     }
   }
   pad(result);
@@ -267,9 +266,10 @@ void NeighbourSearch::gathered(std::size_t v, Neighbours& result) {
   const Gathered points{x_.data(), y_.data(), z_.data(), gathered_};
   const auto scan = lanes::wide_machine() ? scan_wide : scan_narrow;
   const float limit2 = complete() ? std::numeric_limits<float>::max() : radius_ * radius_;
-  const std::size_t n = scan(points, tree_.local(v), limit2, hits_.data(), hit_distance2_.data());
+  const Point3 q = tree_.local(v);
+  const std::size_t n = scan(points, q, limit2, hits_.data(), hit_distance2_.data());
   make_room(result, n);
-  for (std::size_t j = 0; j < n; ++j) keep(v, hits_[j], result);
+  for (std::size_t j = 0; j < n; ++j) keep(v, q, hits_[j], result);
   pad(result);
   result.covered2 = static_cast<double>(limit2);
 }

@@ -102,7 +102,7 @@ class NeighbourSearch {
   bool try_nearest(std::size_t v, std::size_t k, float limit2, Neighbours& result);
   bool complete() const { return gathered_ == tree_.points(); }
   float grown_radius(std::size_t v, std::size_t k) const;
-  void keep(std::size_t v, std::size_t candidate, Neighbours& result) const;
+  void keep(std::size_t v, const Point3& q, std::size_t candidate, Neighbours& result) const;
 
   const BoxTree& tree_;
   BoxTree::Box box_{};

@@ -1,0 +1,106 @@
+#include "local_delaunay/local_delaunay.hpp"
+#include "reconstruction/methods.hpp"
+
+namespace surfaced {
+namespace {
+
+using Parameters = LocalDelaunayParameters;
+
+Parameters parameters_of(const Json& json) {
+  Parameters parameters;
+  parameters.neighbours = json.at("neighbours").get<std::size_t>();
+  if (json.at("star") == "unfolded") parameters.star = Parameters::Star::unfolded;
+  if (json.at("star") == "projected") parameters.star = Parameters::Star::projected;
+  if (json.at("angle") == "projected") parameters.angle = Parameters::Angle::projected;
+  if (json.at("max_edge").is_number()) parameters.max_edge = json.at("max_edge").get<double>();
+  if (json.at("seed") == "paper") parameters.seed = Parameters::Seed::paper;
+  if (json.at("fill_holes") == "none") parameters.fill_holes = Parameters::FillHoles::none;
+  return parameters;
+}
+
+Json statistics_json(const LocalDelaunayStatistics& s) {
+  return Json{{"agreed_faces", s.agreed_faces},
+              {"one_sided_faces", s.one_sided_faces},
+              {"seeds", s.seeds},
+              {"sewn_faces", s.sewn_faces},
+              {"holes_closed", s.holes_closed},
+              {"holes_repaired", s.holes_repaired},
+              {"points_inserted", s.points_inserted},
+              {"separated_faces", s.separated_faces},
+              {"open_edges", s.open_edges}};
+}
+
+Result<Reconstruction> run_local_delaunay(const PointCloud& cloud, const Json& parameters, Context& context) {
+  Result<LocalDelaunayResult> result = local_delaunay(cloud, parameters_of(parameters), context);
+  if (!result) return std::move(result).error();
+  return Reconstruction{.mesh = std::move(result->mesh),
+                        .warnings = std::move(result->warnings),
+                        .statistics = statistics_json(result->statistics)};
+}
+
+Json star_properties() {
+  return Json{
+      {"neighbours",
+       {{"type", "integer"},
+        {"minimum", 8},
+        {"maximum", 64},
+        {"default", 16},
+        {"title", "Nearest neighbours"},
+        {"description", "Points that each normal and each local triangulation is taken from; more for noisy clouds."},
+        {"x-unit", "points"}}},
+      {"star",
+       {{"enum", {"restricted", "unfolded", "projected"}},
+        {"default", "restricted"},
+        {"title", "Layout of the neighbours in the tangent plane"},
+        {"description",
+         "restricted cuts the Voronoi cell in space, best at creases and thin parts; unfolded keeps distances, "
+         "best on smooth scans; projected is the paper's."}}}};
+}
+
+Json parameter_properties() {
+  Json properties = star_properties();
+  properties["angle"] = {{"enum", {"spatial", "projected"}},
+                         {"default", "spatial"},
+                         {"title", "Angle of the front"},
+                         {"description",
+                          "Whether a candidate's angle is taken in space or, as in the paper, in the "
+                          "plane."}};
+  properties["max_edge"] = {
+      {"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"minimum", 1}, {"maximum", 1e6}}}},
+      {"default", "auto"},
+      {"title", "Longest edge"},
+      {"description",
+       "In multiples of the distance to the 6th nearest neighbour; about 3 keeps openings open. auto sets no limit."},
+      {"x-unit", "1"}};
+  properties["seed"] = {{"enum", {"triangle", "paper"}},
+                        {"default", "triangle"},
+                        {"title", "Start of the front"},
+                        {"description",
+                         "triangle starts from all triangles on which three local triangulations agree; paper from one "
+                         "local triangulation per component."}};
+  properties["fill_holes"] = {{"enum", {"small", "none"}},
+                              {"default", "small"},
+                              {"title", "Holes to close"},
+                              {"description", "small closes holes of up to 30 edges without new vertices."}};
+  return properties;
+}
+
+}  // namespace
+
+Method local_delaunay_method() {
+  return {.info = {.id = "local-delaunay",
+                   .title = "Local Delaunay triangulations",
+                   .summary = "Sews the triangles on which the local triangulations of neighbouring points agree; no "
+                              "structure in space. For dense scans and very large clouds; keeps large openings.",
+                   .source = "H. H. Bíscaro, Efficient reconstruction from scattered points, WSCG 2010",
+                   .guarantees = {"The mesh is consistently oriented, edge- and vertex-manifold.",
+                                  "Every vertex of the mesh is an input point.", "Closed parts face outwards."},
+                   .limitations = {"Closedness is reported, not promised.",
+                                   "The mesh may intersect itself where parts come closer than the points are dense.",
+                                   "Points may stay unused; the report counts them."},
+                   .parameters = schema_of(parameter_properties())},
+          .interpolates = true,
+          .engine = run_local_delaunay};
+}
+
+}  // namespace surfaced

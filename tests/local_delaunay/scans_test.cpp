@@ -1,0 +1,49 @@
+// The clouds of the issue: closed, of the right genus, next to no point unused.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "io/io.hpp"
+#include "local_delaunay/local_delaunay.hpp"
+
+namespace surfaced {
+namespace {
+
+struct Scan {
+  const char* name;
+  std::int64_t genus;
+};
+
+class LocalDelaunayOnScans : public ::testing::TestWithParam<Scan> {};
+
+TEST_P(LocalDelaunayOnScans, closes_with_the_right_genus_and_uses_nearly_all_points) {
+  const std::filesystem::path path =
+      std::filesystem::path(SURFACED_SHARED_DATA) / (std::string(GetParam().name) + ".ply");
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+  auto raw = read_cloud(path);
+  ASSERT_TRUE(raw);
+  const auto cloud = make_cloud(std::move(*raw));
+  ASSERT_TRUE(cloud);
+  for (const unsigned threads : {1U, 2U}) {
+    Context context(threads);
+    const auto result = local_delaunay(*cloud, {}, context);
+    ASSERT_TRUE(result);
+    const Topology topology = topology_of(result->mesh);
+    EXPECT_TRUE(topology.closed);
+    EXPECT_TRUE(topology.vertex_manifold && topology.oriented);
+    EXPECT_EQ(topology.components, 1U);
+    EXPECT_EQ(topology.genus, GetParam().genus);
+    EXPECT_LE(static_cast<double>(cloud->size() - topology.vertices), 0.001 * static_cast<double>(cloud->size()));
+    EXPECT_GT(signed_volume(result->mesh), 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scans, LocalDelaunayOnScans,
+                         ::testing::Values(Scan{"fertility", 4}, Scan{"igea", 0}, Scan{"anchor", 4},
+                                           Scan{"max_planck", 0}, Scan{"elephant", 0}, Scan{"bunny", 0},
+                                           Scan{"fandisk", 0}),
+                         [](const auto& scan) { return std::string(scan.param.name); });
+
+}  // namespace
+}  // namespace surfaced
