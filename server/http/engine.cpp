@@ -118,12 +118,15 @@ class GuardedBody final : public BodySource {
 /// What is being answered on this thread: the library's handlers are given nothing of ours.
 struct Exchange {
   const Router& router;
+  Connection& connection;
   GuardedStream& stream;
   GuardedBody& body;
   Request request;
   /// Set if the head was refused.
   std::optional<Error> refusal;
   bool close = false;
+  /// The request came too slowly.
+  bool too_slow = false;
 };
 thread_local Exchange* current = nullptr;
 
@@ -151,6 +154,9 @@ void answer(httplib::Response& to) {
   Exchange& exchange = *current;
   Response response = exchange.refusal ? problem_response(*exchange.refusal, exchange.request)
                                        : exchange.router.handle(exchange.request);
+  // The client's pace counts anew: what the handler took (it may have waited for a job) is not its time.
+  exchange.too_slow |= exchange.connection.too_slow();
+  exchange.connection.begin_transfer();
   to.status = response.status;
   for (const auto& [name, value] : response.headers) to.set_header(name, value);
   to.set_header("X-Request-Id", exchange.request.request_id);
@@ -231,7 +237,7 @@ After Engine::exchange(Connection& connection, const Result<RequestHead>& head) 
   const RequestHead& shown = head ? *head : nothing;
   GuardedStream stream(connection, head_for_library(shown), shown.framing);
   GuardedBody body(connection, stream, shown, body_limit_);
-  Exchange exchange{router_, stream, body, {}, {}, shown.close};
+  Exchange exchange{router_, connection, stream, body, {}, {}, shown.close, connection.too_slow()};
   exchange.request.method = shown.method;
   exchange.request.path = shown.path;
   exchange.request.headers = shown.headers;
@@ -244,13 +250,11 @@ After Engine::exchange(Connection& connection, const Result<RequestHead>& head) 
     exchange.refusal = query.error();
   }
   if (!head) exchange.refusal = head.error();
-  const bool too_slow = connection.too_slow();
-  connection.begin_transfer();
   current = &exchange;
   const bool written = library_->run(stream);
   current = nullptr;
   // Who was too slow has nothing on its way that is worth a thread.
-  if (!written || too_slow || connection.too_slow()) return After::close;
+  if (!written || exchange.too_slow || connection.too_slow()) return After::close;
   if (!head || !stream.body_complete()) return After::drain;
   return exchange.close ? After::close : After::keep;
 }

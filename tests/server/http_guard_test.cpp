@@ -38,6 +38,14 @@ class HttpGuardTest : public ::testing::Test {
                                      return Result<std::size_t>(buffer.size());
                                    }});
     });
+    router_.add("GET", "/late", [](Request& request) {
+      std::this_thread::sleep_for(milliseconds(900));
+      return conditional_response(request, "\"late\"", "application/octet-stream",
+                                  {std::uint64_t{32} << 20, [](std::uint64_t, std::span<std::byte> buffer) {
+                                     std::ranges::fill(buffer, std::byte{'l'});
+                                     return Result<std::size_t>(buffer.size());
+                                   }});
+    });
     router_.add("GET", "/throw", [](Request&) -> Response { throw std::runtime_error("secret"); });
     router_.add("POST", "/ignore", [](Request& request) {
       return problem_response({ErrorCode::not_found, "no"}, request);
@@ -266,6 +274,18 @@ TEST_F(HttpGuardTest, overlapping_ranges_are_not_multiplied) {
   EXPECT_EQ(behind.headers.at("content-range"), "bytes */8388608");
   const Answer head = call(port_, "HEAD", "/big");
   EXPECT_EQ(head.headers.at("content-length"), "8388608");
+}
+
+TEST_F(HttpGuardTest, time_that_a_handler_takes_is_not_the_clients) {
+  // The handler takes longer than a transfer may stall, and the answer is larger than the socket's buffers; at
+  // this pace what fits into those buffers buys no time.
+  server_->stop(milliseconds(0));
+  limits_.connection.body_rate = std::uint64_t{256} << 20;
+  start();
+  RawConnection connection(port_);
+  connection.send("GET /late HTTP/1.1\r\nHost: h\r\n\r\n");
+  std::this_thread::sleep_for(milliseconds(1100));
+  EXPECT_EQ(connection.read_answer().body.size(), std::size_t{32} << 20);
 }
 
 TEST_F(HttpGuardTest, a_client_cannot_say_where_it_comes_from) {
