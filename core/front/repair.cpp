@@ -11,8 +11,7 @@ using Vertices = std::vector<std::uint32_t>;
 
 void sort_unique(Vertices& list) {
   std::ranges::sort(list);
-  const auto rest = std::ranges::unique(list);
-  list.erase(rest.begin(), rest.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
 /// The vertices and those of their faces.
