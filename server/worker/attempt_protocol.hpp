@@ -31,6 +31,8 @@ struct AttemptLimits {
   unsigned threads = 1;
 };
 
+// nlohmann declares its move noexcept; the analyzer follows its assertions.
+// NOLINTNEXTLINE(bugprone-exception-escape)
 struct AttemptSpec {
   Claim claim;
   std::string method;

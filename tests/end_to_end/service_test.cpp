@@ -242,6 +242,7 @@ TEST_F(ServiceTest, a_large_upload_never_stands_in_memory) {
 TEST_F(ServiceTest, a_second_daemon_on_the_same_data_is_refused) {
   const std::string command = std::string(SURFACED_BINARY) + " serve --listen 127.0.0.1:0 --data " +
                               (directory_.path() / "data").string() + " 2> " + (directory_.path() / "err").string();
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): the test has one thread
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2);
   std::ifstream err(directory_.path() / "err");
   std::string line;

@@ -85,23 +85,23 @@ class HttpGuardTest : public ::testing::Test {
   std::atomic<std::uint64_t> seen_ = 0;
 };
 
-const std::string kPost = "POST /count HTTP/1.1\r\nHost: h\r\n";
+std::string post_line() { return "POST /count HTTP/1.1\r\nHost: h\r\n"; }
 
 TEST_F(HttpGuardTest, several_requests_use_one_connection) {
   RawConnection connection(port_);
   for (int i = 0; i < 5; ++i) {
     connection.send("GET /hello HTTP/1.1\r\nHost: h\r\n\r\n");
     EXPECT_EQ(connection.read_answer().status, 200);
-    connection.send(kPost + "Content-Length: 3\r\n\r\nabc");
+    connection.send(post_line() + "Content-Length: 3\r\n\r\nabc");
     EXPECT_THAT(connection.read_answer().body, HasSubstr("\"bytes\":3"));
-    connection.send(kPost + "Transfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n2\r\nde\r\n0\r\n\r\n");
+    connection.send(post_line() + "Transfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n2\r\nde\r\n0\r\n\r\n");
     EXPECT_THAT(connection.read_answer().body, HasSubstr("\"bytes\":5"));
   }
 }
 
 TEST_F(HttpGuardTest, requests_sent_in_one_piece_are_answered_in_their_order) {
   RawConnection connection(port_);
-  connection.send(kPost + "Content-Length: 3\r\n\r\nabc" + kPost + "Content-Length: 4\r\n\r\nabcd" +
+  connection.send(post_line() + "Content-Length: 3\r\n\r\nabc" + post_line() + "Content-Length: 4\r\n\r\nabcd" +
                   "HEAD /hello HTTP/1.1\r\nHost: h\r\n\r\n");
   EXPECT_THAT(connection.read_answer().body, HasSubstr("\"bytes\":3"));
   EXPECT_THAT(connection.read_answer().body, HasSubstr("\"bytes\":4"));
@@ -112,7 +112,7 @@ TEST_F(HttpGuardTest, requests_sent_in_one_piece_are_answered_in_their_order) {
 
 TEST_F(HttpGuardTest, a_length_over_the_limit_is_refused_unread) {
   RawConnection connection(port_);
-  connection.send(kPost + "Content-Length: 99999999999\r\n\r\n");
+  connection.send(post_line() + "Content-Length: 99999999999\r\n\r\n");
   const Answer answer = connection.read_answer();
   EXPECT_EQ(answer.status, 413);
   EXPECT_EQ(code_of(answer), "payload_too_large");
@@ -121,7 +121,7 @@ TEST_F(HttpGuardTest, a_length_over_the_limit_is_refused_unread) {
 
 TEST_F(HttpGuardTest, a_chunked_body_over_the_limit_is_cut_off) {
   RawConnection connection(port_);
-  connection.send(kPost + "Transfer-Encoding: chunked\r\n\r\n");
+  connection.send(post_line() + "Transfer-Encoding: chunked\r\n\r\n");
   const std::string chunk = "10000\r\n" + std::string(0x10000, 'x') + "\r\n";
   for (int i = 0; i < 1024 && connection.send(chunk); ++i) {
   }
@@ -152,7 +152,7 @@ TEST_F(HttpGuardTest, broken_chunks_are_no_body) {
   for (const char* chunks : {"3\r\nabcd\r\n0\r\n\r\n", "+3\r\nabc\r\n0\r\n\r\n", "0x3\r\nabc\r\n0\r\n\r\n", "zz\r\n",
                              "3\r\nabcX\r\n", "-1\r\n\r\n", "0\r\nTrailer: x\r\n\r\n"}) {
     RawConnection connection(port_);
-    connection.send(kPost + "Transfer-Encoding: chunked\r\n\r\n" + chunks);
+    connection.send(post_line() + "Transfer-Encoding: chunked\r\n\r\n" + chunks);
     const Answer answer = connection.read_answer();
     EXPECT_EQ(answer.status, 400) << chunks;
     EXPECT_EQ(code_of(answer), "invalid_request") << chunks;
@@ -163,7 +163,7 @@ TEST_F(HttpGuardTest, broken_chunks_are_no_body) {
 TEST_F(HttpGuardTest, a_body_that_breaks_off_is_no_body) {
   for (const char* rest : {"Content-Length: 10\r\n\r\nabc", "Transfer-Encoding: chunked\r\n\r\n3\r\nab"}) {
     RawConnection connection(port_);
-    connection.send(kPost + rest);
+    connection.send(post_line() + rest);
     connection.end();
     EXPECT_EQ(connection.read_answer().status, 400) << rest;
   }
@@ -172,7 +172,8 @@ TEST_F(HttpGuardTest, a_body_that_breaks_off_is_no_body) {
 TEST_F(HttpGuardTest, length_and_chunks_together_are_refused_and_the_connection_ends) {
   RawConnection connection(port_);
   connection.send(
-      kPost + "Content-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\nGET /hello HTTP/1.1\r\nHost: h\r\n\r\n");
+      post_line() +
+      "Content-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\nGET /hello HTTP/1.1\r\nHost: h\r\n\r\n");
   const Answer answer = connection.read_answer();
   EXPECT_EQ(answer.status, 400);
   EXPECT_EQ(answer.headers.at("connection"), "close");
@@ -222,7 +223,7 @@ TEST_F(HttpGuardTest, headers_that_trickle_meet_one_deadline) {
 
 TEST_F(HttpGuardTest, a_body_that_trickles_is_too_slow) {
   RawConnection connection(port_);
-  connection.send(kPost + "Content-Length: 1000\r\n\r\nabc");
+  connection.send(post_line() + "Content-Length: 1000\r\n\r\nabc");
   const Answer answer = connection.read_answer(false, milliseconds(3000));
   EXPECT_EQ(answer.status, 408);
 }
@@ -236,6 +237,7 @@ TEST_F(HttpGuardTest, an_idle_connection_is_closed_in_silence) {
 
 TEST_F(HttpGuardTest, eight_slow_clients_do_not_starve_the_ninth_for_longer_than_the_deadline) {
   std::vector<std::unique_ptr<RawConnection>> slow;
+  slow.reserve(8);
   for (int i = 0; i < 8; ++i) {
     slow.push_back(std::make_unique<RawConnection>(port_));
     slow.back()->send("GET /hello HTTP/1.1\r\n");
@@ -247,6 +249,7 @@ TEST_F(HttpGuardTest, eight_slow_clients_do_not_starve_the_ninth_for_longer_than
 
 TEST_F(HttpGuardTest, connections_beyond_the_bound_are_answered_503) {
   std::vector<std::unique_ptr<RawConnection>> held;
+  held.reserve(40);
   for (int i = 0; i < 40; ++i) held.push_back(std::make_unique<RawConnection>(port_));
   int turned_away = 0;
   for (auto& each : held) turned_away += each->read_answer(false, milliseconds(50)).status == 503 ? 1 : 0;
@@ -320,7 +323,7 @@ TEST_F(HttpGuardTest, bytes_that_are_no_http_get_an_answer_and_the_end) {
 
 TEST_F(HttpGuardTest, a_client_that_waits_for_continue_gets_it_only_if_its_body_is_wanted) {
   RawConnection wanted(port_);
-  wanted.send(kPost + "Expect: 100-continue\r\nContent-Length: 3\r\n\r\n");
+  wanted.send(post_line() + "Expect: 100-continue\r\nContent-Length: 3\r\n\r\n");
   std::this_thread::sleep_for(milliseconds(50));
   wanted.send("abc");
   EXPECT_EQ(wanted.read_answer().status, 200);

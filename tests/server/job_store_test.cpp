@@ -191,6 +191,7 @@ TEST_F(JobStoreTest, many_threads_claim_every_job_once) {
   std::mutex mutex;
   std::vector<std::string> claimed;
   std::vector<std::thread> threads;
+  threads.reserve(4);
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([&] {
       for (;;) {

@@ -28,7 +28,7 @@ class SchedulerTest : public ::testing::Test {
     scheduler_->start();
   }
   std::string submit(const std::string& behaviour) {
-    const std::string id = random_hex<16>();
+    std::string id = random_hex<16>();
     auto upload = artifacts_->begin_upload().value();
     EXPECT_TRUE(upload->write(as_bytes("cloud")).ok());
     const NewJob job{id,

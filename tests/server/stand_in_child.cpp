@@ -19,7 +19,7 @@ namespace {
 using namespace surfaced;
 
 void send(std::string_view message) {
-  if (!write_all(kMessageDescriptor, as_bytes(message), "tell the server")) std::exit(9);
+  if (!write_all(kMessageDescriptor, as_bytes(message), "tell the server")) ::_exit(9);
 }
 
 int refuse(ErrorCode code) {

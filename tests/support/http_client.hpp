@@ -122,7 +122,7 @@ inline Answer call(std::uint16_t port, const std::string& method, const std::str
                    const Fields& fields = {}) {
   RawConnection connection(port);
   std::string head = method + " " + target + " HTTP/1.1\r\nHost: test\r\nConnection: close\r\n";
-  for (const auto& [name, value] : fields) head += name + ": " + value + "\r\n";
+  for (const auto& [name, value] : fields) head.append(name).append(": ").append(value).append("\r\n");
   if (method == "POST" || method == "PUT") head += "Content-Length: " + std::to_string(body.size()) + "\r\n";
   connection.send(head + "\r\n");
   connection.send(body);

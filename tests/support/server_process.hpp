@@ -71,6 +71,7 @@ class ServerProcess {
  private:
   void start(const std::vector<std::string>& command, const std::filesystem::path& out) {
     std::vector<char*> arguments;
+    arguments.reserve(command.size() + 1);
     for (const auto& each : command) arguments.push_back(const_cast<char*>(each.c_str()));
     arguments.push_back(nullptr);
     posix_spawn_file_actions_t actions;
