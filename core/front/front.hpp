@@ -5,5 +5,7 @@
 #include "front/closing.hpp"
 #include "front/consensus.hpp"
 #include "front/fans.hpp"
+#include "front/growing.hpp"
 #include "front/local_stars.hpp"
+#include "front/seeding.hpp"
 #include "front/sewing.hpp"

@@ -9,6 +9,7 @@
 
 #include "base/base.hpp"
 #include "cloud/cloud.hpp"
+#include "front/statistics.hpp"
 #include "mesh/mesh.hpp"
 
 namespace surfaced {
@@ -34,29 +35,11 @@ struct LocalDelaunayParameters {
   FillHoles fill_holes = FillHoles::small;
 };
 
-struct LocalDelaunayStatistics {
-  /// Triangles on which the local triangulations of all three vertices agree.
-  std::size_t agreed_faces = 0;
-  /// Of those, dropped because they would make the surface one-sided.
-  std::size_t one_sided_faces = 0;
-  /// Seeds set where there was nothing to begin with.
-  std::size_t seeds = 0;
-  /// Faces the front added.
-  std::size_t sewn_faces = 0;
-  std::size_t holes_closed = 0;
-  /// Holes closed after their surroundings were opened and sewn anew.
-  std::size_t holes_repaired = 0;
-  std::size_t points_inserted = 0;
-  /// Faces removed where several fans met in a vertex.
-  std::size_t separated_faces = 0;
-  std::size_t open_edges = 0;
-};
-
 struct LocalDelaunayResult {
   /// Vertex v is point v of the cloud; unused points are in no triangle.
   TriangleMesh mesh;
   std::vector<std::string> warnings;
-  LocalDelaunayStatistics statistics;
+  front::Statistics statistics;
 };
 
 /// @return  an oriented edge- and vertex-manifold mesh whose vertices are points of the cloud, closed parts facing

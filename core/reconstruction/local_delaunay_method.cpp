@@ -1,4 +1,5 @@
 #include "local_delaunay/local_delaunay.hpp"
+#include "reconstruction/front_json.hpp"
 #include "reconstruction/methods.hpp"
 
 namespace surfaced {
@@ -16,18 +17,6 @@ Parameters parameters_of(const Json& json) {
   if (json.at("seed") == "paper") parameters.seed = Parameters::Seed::paper;
   if (json.at("fill_holes") == "none") parameters.fill_holes = Parameters::FillHoles::none;
   return parameters;
-}
-
-Json statistics_json(const LocalDelaunayStatistics& s) {
-  return Json{{"agreed_faces", s.agreed_faces},
-              {"one_sided_faces", s.one_sided_faces},
-              {"seeds", s.seeds},
-              {"sewn_faces", s.sewn_faces},
-              {"holes_closed", s.holes_closed},
-              {"holes_repaired", s.holes_repaired},
-              {"points_inserted", s.points_inserted},
-              {"separated_faces", s.separated_faces},
-              {"open_edges", s.open_edges}};
 }
 
 Result<Reconstruction> run_local_delaunay(const PointCloud& cloud, const Json& parameters, Context& context) {
@@ -65,13 +54,7 @@ Json parameter_properties() {
                          {"description",
                           "Whether a candidate's angle is taken in space or, as in the paper, in the "
                           "plane."}};
-  properties["max_edge"] = {
-      {"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"minimum", 1}, {"maximum", 1e6}}}},
-      {"default", "auto"},
-      {"title", "Longest edge"},
-      {"description",
-       "In multiples of the distance to the 6th nearest neighbour; about 3 keeps openings open. auto sets no limit."},
-      {"x-unit", "1"}};
+  properties["max_edge"] = max_edge_property();
   properties["seed"] = {{"enum", {"triangle", "paper"}},
                         {"default", "triangle"},
                         {"title", "Start of the front"},

@@ -24,7 +24,7 @@ Json common_properties() {
 
 const std::vector<Method>& table() {
   static const std::vector<Method> methods{minimum_boundary_method(), local_delaunay_method(),
-                                           advancing_front_method()};
+                                           intrinsic_delaunay_method(), advancing_front_method()};
   return methods;
 }
 

@@ -19,6 +19,7 @@ const Method& method_of(const MethodInfo& info);
 
 Method minimum_boundary_method();
 Method local_delaunay_method();
+Method intrinsic_delaunay_method();
 Method advancing_front_method();
 
 /// A method's schema: its own properties and those that every method has.

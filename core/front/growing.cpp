@@ -1,0 +1,172 @@
+#include "front/growing.hpp"
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "front/consensus.hpp"
+
+namespace surfaced::front {
+namespace {
+
+constexpr std::size_t kFewestPoints = 3;
+/// Longest rim that counts as a small hole, in edges.
+constexpr std::size_t kSmallHole = 30;
+/// Largest set of connected rim vertices that repair takes on.
+constexpr std::size_t kSmallDamage = 60;
+
+class Run {
+ public:
+  Run(const PointCloud& cloud, const GrowthParameters& parameters, Context& context)
+      : cloud_(cloud), parameters_(parameters), context_(context) {}
+
+  Result<Surface> operator()() {
+    if (Status made = triangulate(); !made) return std::move(made).error();
+    context_.enter("surface", 1);
+    TriangleMesh& mesh = result_.mesh;
+    mesh.positions = cloud_.positions;
+    mesh.normals = cloud_.normals;
+    mesh.colors = cloud_.colors;
+    orient_manifold_outwards(mesh, rim_);
+    sort_triangles(mesh);
+    if (result_.statistics.open_edges > 0) {
+      result_.warnings.push_back("the mesh is open: " + std::to_string(result_.statistics.open_edges) +
+                                 " edges have one triangle");
+    }
+    return std::move(result_);
+  }
+
+ private:
+  /// Enters a stage unless the caller wants to stop.
+  Status begin(std::string_view stage, double until) {
+    context_.enter(stage, until);
+    if (context_.cancelled()) return Error{ErrorCode::cancelled, "cancelled at stage " + std::string(stage)};
+    return Done{};
+  }
+
+  /// All that needs the neighbourhoods; they are gone when the mesh takes its room.
+  Status triangulate() {
+    if (Status begun = begin("neighbourhoods", 0.7); !begun) return begun;
+    const BoxTree tree(cloud_.positions, context_.threads());
+    Result<LocalStars> stars = local_stars(tree, parameters_.stars, context_);
+    if (!stars) return std::move(stars).error();
+
+    if (Status begun = begin("consensus", 0.8); !begun) return begun;
+    FaceMasks faces = agreed_faces(*stars, context_.threads());
+    result_.statistics.one_sided_faces = orient(*stars, faces);
+    if (!parameters_.begin_with_consensus) std::ranges::fill(faces, 0U);
+    Fans fans(*stars, std::move(faces));
+    result_.statistics.agreed_faces = fans.faces();
+    Places places(tree, *stars, parameters_.sewing);
+    drop_forbidden_faces(fans, places);
+
+    if (Status begun = begin("front", 0.9); !begun) return begun;
+    if (Status advanced = sew(fans, places); !advanced) return advanced;
+    if (Status filled = finish(fans, places); !filled) return filled;
+    if (parameters_.improve) {
+      if (Status improved = parameters_.improve(fans, places, context_); !improved) return improved;
+    }
+    note_rim(fans);
+    result_.mesh.triangles = fans.triangles();
+    return Done{};
+  }
+
+  void drop_forbidden_faces(Fans& fans, Places& places) const {
+    if (!parameters_.sewing.max_edge) return;
+    for (const Triangle& t : fans.triangles()) {
+      const Face f{t[0].value, t[1].value, t[2].value};
+      const bool all_short =
+          places.short_enough(f[0], f[1]) && places.short_enough(f[1], f[2]) && places.short_enough(f[2], f[0]);
+      if (!all_short) fans.remove(f);
+    }
+  }
+
+  /// The front from what there is, then from new seeds, then less strictly.
+  Status sew(Fans& fans, Places& places) {
+    constexpr Pass kStrict{0.5, false};
+    Front front(fans, places);
+    for (const Pass& pass : {Pass{0.5, false, Pass::Among::stars}, kStrict}) {
+      if (Status advanced = advance(front, pass, fans.unsettled()); !advanced) return advanced;
+    }
+    for (const std::uint32_t v : fans.unsettled()) {
+      if (fans.around(v) != Around::nothing || !parameters_.plant(fans, places, v)) continue;
+      ++result_.statistics.seeds;
+      if (Status advanced = advance(front, kStrict, seeded_at(fans, places, v)); !advanced) return advanced;
+    }
+    std::vector<Pass> passes{{0, false}, {0, true}};
+    // Where everybody is everybody's neighbour there is no rim to fold over: corners of a cube, a tetrahedron.
+    if (fans.points() <= parameters_.sewing.reach) passes.push_back({-0.5, true});
+    for (const Pass& pass : passes) {
+      if (Status advanced = advance(front, pass, fans.unsettled()); !advanced) return advanced;
+    }
+    return Done{};
+  }
+
+  /// The vertices of the seed at v, ascending.
+  static std::vector<std::uint32_t> seeded_at(const Fans& fans, Places& places, std::uint32_t v) {
+    std::vector<std::uint32_t> vertices{v};
+    for (const std::uint32_t u : places.neighbours(v)) {
+      if (fans.around(u) != Around::nothing) vertices.push_back(u);
+    }
+    std::ranges::sort(vertices);
+    return vertices;
+  }
+
+  Status advance(Front& front, const Pass& pass, const std::vector<std::uint32_t>& from) {
+    const Result<std::size_t> added = front.advance(pass, from, context_);
+    if (!added) return added.error();
+    result_.statistics.sewn_faces += *added;
+    return Done{};
+  }
+
+  Status finish(Fans& fans, Places& places) {
+    Statistics& s = result_.statistics;
+    if (parameters_.fill_small_holes) {
+      if (Status begun = begin("holes", 0.95); !begun) return begun;
+      constexpr double kLeastCosine = -0.5;
+      s.holes_closed = close_holes(fans, places, fans.unsettled(), {kSmallHole, kLeastCosine});
+      const Result<std::size_t> repaired = repair_holes(fans, places, kSmallDamage, context_);
+      if (!repaired) return repaired.error();
+      s.holes_repaired = *repaired;
+    }
+    s.separated_faces = separate_fans(fans);
+    s.points_inserted = insert_leftovers(fans, places);
+    return Done{};
+  }
+
+  void note_rim(const Fans& fans) {
+    std::vector<Edge> open;
+    for (const std::uint32_t v : fans.unsettled()) {
+      open.clear();
+      open_edges(fans, v, open);
+      if (!open.empty()) rim_.emplace_back(v);
+      result_.statistics.open_edges += open.size();
+    }
+    result_.statistics.open_edges /= 2;  // seen from both ends
+  }
+
+  const PointCloud& cloud_;
+  const GrowthParameters& parameters_;
+  Context& context_;
+  Surface result_;
+  std::vector<VertexIndex> rim_;
+};
+
+}  // namespace
+
+Result<Surface> grow_surface(const PointCloud& cloud, const GrowthParameters& parameters, Context& context) {
+  const std::string points = std::to_string(cloud.size()) + " distinct points";
+  if (cloud.size() < kFewestPoints) {
+    return Error{ErrorCode::too_few_points, points + " of " + std::to_string(cloud.input_to_vertex.size()) +
+                                                " remain; " + std::string(parameters.method) + " needs " +
+                                                std::to_string(kFewestPoints)};
+  }
+  if (all_on_a_line(cloud.positions)) return Error{ErrorCode::collinear, "all " + points + " lie on one line"};
+  try {
+    return Run(cloud, parameters, context)();
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::out_of_memory, "no memory left for " + points};
+  }
+}
+
+}  // namespace surfaced::front

@@ -1,0 +1,44 @@
+// Method `intrinsic-delaunay` (iDT, Gong et al. 2014): a front whose candidates lie in a capsule about the edge, then
+// flips towards the intrinsic Delaunay triangulation, whose triangles have bounded quality on dense samples.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/base.hpp"
+#include "cloud/cloud.hpp"
+#include "front/statistics.hpp"
+#include "mesh/mesh.hpp"
+
+namespace surfaced {
+
+struct IntrinsicDelaunayParameters {
+  enum class FillHoles : std::uint8_t { small, none };
+
+  /// Sampling radius ε in the unit of the input: candidates lie within 2ε of the edge. None: at every point the
+  /// distance to its 6th nearest neighbour.
+  std::optional<double> epsilon = std::nullopt;
+  /// Longest edge, as a multiple of the distance to the 6th nearest neighbour; none: no limit but the neighbourhood.
+  std::optional<double> max_edge = std::nullopt;
+  FillHoles fill_holes = FillHoles::small;
+};
+
+struct IntrinsicDelaunayStatistics {
+  front::Statistics front;
+};
+
+struct IntrinsicDelaunayResult {
+  /// Vertex v is point v of the cloud; unused points are in no triangle.
+  TriangleMesh mesh;
+  std::vector<std::string> warnings;
+  IntrinsicDelaunayStatistics statistics;
+};
+
+/// @return  an oriented edge- and vertex-manifold mesh whose vertices are points of the cloud, closed parts facing
+///          outwards; too_few_points (3 needed), collinear, cancelled, out_of_memory.
+/// @cost    O(V) for points on surfaces.
+Result<IntrinsicDelaunayResult> intrinsic_delaunay(const PointCloud& cloud,
+                                                   const IntrinsicDelaunayParameters& parameters, Context& context);
+
+}  // namespace surfaced

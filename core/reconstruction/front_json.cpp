@@ -1,0 +1,27 @@
+#include "reconstruction/front_json.hpp"
+
+namespace surfaced {
+
+Json statistics_json(const front::Statistics& s) {
+  return Json{{"agreed_faces", s.agreed_faces},
+              {"one_sided_faces", s.one_sided_faces},
+              {"seeds", s.seeds},
+              {"sewn_faces", s.sewn_faces},
+              {"holes_closed", s.holes_closed},
+              {"holes_repaired", s.holes_repaired},
+              {"points_inserted", s.points_inserted},
+              {"separated_faces", s.separated_faces},
+              {"open_edges", s.open_edges}};
+}
+
+Json max_edge_property() {
+  return {
+      {"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"minimum", 1}, {"maximum", 1e6}}}},
+      {"default", "auto"},
+      {"title", "Longest edge"},
+      {"description",
+       "In multiples of the distance to the 6th nearest neighbour; about 3 keeps openings open. auto sets no limit."},
+      {"x-unit", "1"}};
+}
+
+}  // namespace surfaced

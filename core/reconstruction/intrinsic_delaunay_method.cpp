@@ -1,0 +1,66 @@
+#include "intrinsic_delaunay/intrinsic_delaunay.hpp"
+
+#include "reconstruction/front_json.hpp"
+#include "reconstruction/methods.hpp"
+
+namespace surfaced {
+namespace {
+
+using Parameters = IntrinsicDelaunayParameters;
+
+Parameters parameters_of(const Json& json) {
+  Parameters parameters;
+  if (json.at("epsilon").is_number()) parameters.epsilon = json.at("epsilon").get<double>();
+  if (json.at("max_edge").is_number()) parameters.max_edge = json.at("max_edge").get<double>();
+  if (json.at("fill_holes") == "none") parameters.fill_holes = Parameters::FillHoles::none;
+  return parameters;
+}
+
+Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Json& parameters, Context& context) {
+  Result<IntrinsicDelaunayResult> result = intrinsic_delaunay(cloud, parameters_of(parameters), context);
+  if (!result) return std::move(result).error();
+  Json statistics = statistics_json(result->statistics.front);
+  return Reconstruction{
+      .mesh = std::move(result->mesh), .warnings = std::move(result->warnings), .statistics = std::move(statistics)};
+}
+
+Json parameter_properties() {
+  return Json{
+      {"epsilon",
+       {{"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"exclusiveMinimum", 0}, {"maximum", 1e30}}}},
+        {"default", "auto"},
+        {"title", "Sampling radius"},
+        {"description",
+         "A front edge looks for its third vertex among the points within twice this distance of it. auto takes the "
+         "distance to the 6th nearest neighbour at each end."},
+        {"x-unit", "unit of the input"}}},
+      {"max_edge", max_edge_property()},
+      {"fill_holes",
+       {{"enum", {"small", "none"}},
+        {"default", "small"},
+        {"title", "Holes to close"},
+        {"description", "small closes holes of up to 30 edges without new vertices."}}}};
+}
+
+}  // namespace
+
+Method intrinsic_delaunay_method() {
+  return {
+      .info = {.id = "intrinsic-delaunay",
+               .title = "Intrinsic Delaunay triangulation",
+               .summary = "Grows a front by largest angles and flips edges towards the Delaunay triangulation of the "
+                          "surface itself. For dense, smooth scans whose triangles must be well shaped.",
+               .source = "W. Gong, Y.-J. Liu, K. Tang, T. Wu, Approximate Delaunay mesh reconstruction and quality "
+                         "estimation from point samples, Journal of Computational and Applied Mathematics 274 "
+                         "(2015)",
+               .guarantees = {"The mesh is consistently oriented, edge- and vertex-manifold.",
+                              "Every vertex of the mesh is an input point.", "Closed parts face outwards."},
+               .limitations = {"Closedness is reported, not promised.",
+                               "The mesh may intersect itself where parts come closer than the points are dense.",
+                               "Points may stay unused; the report counts them."},
+               .parameters = schema_of(parameter_properties())},
+      .interpolates = true,
+      .engine = run_intrinsic_delaunay};
+}
+
+}  // namespace surfaced
