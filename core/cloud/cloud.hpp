@@ -40,8 +40,8 @@ struct PointCloud {
 /// Validates, merges exact duplicates and sorts.
 /// @return  the cloud; coordinate_not_finite or coordinate_out_of_range with the index and value of
 ///          the first bad point. Normals that are not finite or zero are dropped, all of them, with a warning.
-/// @cost    O(N log N) time; 40 bytes per point besides the result.
-Result<PointCloud> make_cloud(RawCloud raw);
+/// @cost    O(N) by radix sort; 32 bytes per point besides the input and the result.
+Result<PointCloud> make_cloud(RawCloud raw, unsigned threads = 1);
 
 /// Bounds of the points; {0,0,0},{0,0,0} if there are none.
 struct Bounds {

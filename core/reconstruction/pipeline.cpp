@@ -92,7 +92,7 @@ Result<PointCloud> load(const std::filesystem::path& path, const ReadLimits& lim
   context.enter("read", 1);
   Result<RawCloud> raw = read_cloud(path, limits, name);
   if (!raw) return std::move(raw).error();
-  return make_cloud(std::move(*raw));
+  return make_cloud(std::move(*raw), context.threads());
 }
 
 /// What a reader of the encoded mesh gets, measured.

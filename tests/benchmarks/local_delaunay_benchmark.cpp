@@ -1,13 +1,16 @@
-// local-delaunay beside CGAL's Delaunay triangulation and advancing front, and its neighbour search beside nanoflann,
-// on the scans of ../shared/data (where present) and on uniformly sampled tori.
+// local-delaunay, from points in memory to a mesh in memory, beside CGAL's Delaunay triangulation and advancing front,
+// and its neighbour search beside nanoflann: on the scans of ../shared/data (where present), a bumpy sphere and a torus
+// sampled evenly; in the order of the file and shuffled.
 //   ./dev bench local_delaunay
-// `delaunays` is the time in serial Delaunay triangulations by CGAL of the same cloud in the same run,
-// `bytes_per_point` the peak of what was allocated beyond the cloud.
+// `delaunays` is the best time in serial Delaunay triangulations by CGAL of the same points in the same order and run,
+// `bytes_per_point` the peak of what was allocated beyond the points given. A Delaunay triangulation of 10 million
+// points takes minutes, so there times are for comparison by `us_per_point`.
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -65,7 +68,9 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Clock = std::chrono::steady_clock;
 
-/// Points of a torus, evenly by area, rounded to float32 as in files.
+double rounded(double x) { return static_cast<double>(static_cast<float>(x)); }
+
+/// Points of a torus, evenly by area, in random order, rounded to float32 as in files.
 RawCloud even_torus(std::size_t n) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
@@ -78,24 +83,56 @@ RawCloud even_torus(std::size_t n) {
     const double v = angle(random);
     const double r = 1 + kTube * std::cos(v);
     if (share(random) * (1 + kTube) > r) continue;
-    const auto rounded = [](double x) { return static_cast<double>(static_cast<float>(x)); };
     raw.positions.push_back({rounded(r * std::cos(u)), rounded(r * std::sin(u)), rounded(kTube * std::sin(v))});
   }
   return raw;
 }
 
-/// A cloud by name: a scan, or torus followed by the number of points.
-const PointCloud& cloud_named(const std::string& name) {
-  static std::map<std::string, PointCloud> clouds;
-  const auto [known, is_new] = clouds.try_emplace(name);
-  if (!is_new) return known->second;
-  const bool torus = name.starts_with("torus");
-  RawCloud raw = torus ? even_torus(std::stoul(name.substr(5)))
-                       : *read_cloud(std::filesystem::path(SURFACED_SHARED_DATA) / (name + ".ply"));
-  return known->second = *make_cloud(std::move(raw));
+/// Points of a bumpy sphere along a jittered golden spiral: evenly spread, from pole to pole.
+RawCloud bumpy_sphere(std::size_t n) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> jitter(-0.2, 0.2);
+  const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
+  RawCloud raw;
+  raw.positions.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double at = static_cast<double>(i) + 0.5 + jitter(random);
+    const double z = 1 - 2 * at / static_cast<double>(n);
+    const double ring = std::sqrt(std::max(0.0, 1 - z * z));
+    const double x = ring * std::cos(turn * at);
+    const double y = ring * std::sin(turn * at);
+    const double r = 1 + 0.15 * std::sin(5 * x) * std::sin(4 * y) * std::sin(6 * z) +
+                     0.02 * std::sin(40 * x) * std::sin(40 * y) * std::sin(40 * z);
+    raw.positions.push_back({rounded(r * x), rounded(r * y), rounded(r * z)});
+  }
+  return raw;
 }
 
-std::vector<Kernel::Point_3> exact_points(const PointCloud& cloud) {
+constexpr std::string_view kShuffled = "_shuffled";
+
+RawCloud make_raw(const std::string& name) {
+  if (name.ends_with(kShuffled)) {
+    RawCloud raw = make_raw(name.substr(0, name.size() - kShuffled.size()));
+    std::ranges::shuffle(raw.positions, std::mt19937(2));
+    return raw;
+  }
+  if (name.starts_with("torus")) return even_torus(std::stoul(name.substr(5)));
+  if (name.starts_with("bumpy")) return bumpy_sphere(std::stoul(name.substr(5)));
+  return *read_cloud(std::filesystem::path(SURFACED_SHARED_DATA) / (name + ".ply"));
+}
+
+/// A cloud by name: a scan, or torus or bumpy followed by the number of points; then perhaps _shuffled. Keeps one
+/// only: benchmarks of a cloud follow one another.
+const RawCloud& raw_named(const std::string& name) {
+  static std::pair<std::string, RawCloud> last;
+  if (last.first != name) {
+    last = {};
+    last = {name, make_raw(name)};
+  }
+  return last.second;
+}
+
+std::vector<Kernel::Point_3> exact_points(const RawCloud& cloud) {
   std::vector<Kernel::Point_3> points;
   for (const Point3& p : cloud.positions) points.emplace_back(p[0], p[1], p[2]);
   return points;
@@ -105,7 +142,7 @@ double seconds_of_delaunay(const std::string& name) {
   static std::map<std::string, double> known;
   const auto [entry, is_new] = known.try_emplace(name, 0);
   if (!is_new) return entry->second;
-  const auto points = exact_points(cloud_named(name));
+  const auto points = exact_points(raw_named(name));
   double best = 1e300;
   for (int run = 0; run < 3; ++run) {
     const auto begin = Clock::now();
@@ -116,46 +153,56 @@ double seconds_of_delaunay(const std::string& name) {
   return entry->second = best;
 }
 
-/// Runs the body, with what it took and allocated as counters.
+constexpr std::size_t kLargestUnit = 2'000'000;
+
+/// Runs the body on a copy of the points, with what it took and allocated as counters.
 template <class Body>
 void measure(benchmark::State& state, const std::string& name, Body&& body) {
-  const PointCloud& cloud = cloud_named(name);
-  const double unit = seconds_of_delaunay(name);
+  const RawCloud& points = raw_named(name);
   double best = 1e300;
   std::int64_t bytes = 0;
   for (auto _ : state) {
+    RawCloud raw = points;
     const std::int64_t before = live_bytes;
     peak_bytes = before;
     const auto begin = Clock::now();
-    body(cloud);
-    best = std::min(best, std::chrono::duration<double>(Clock::now() - begin).count());
+    body(std::move(raw));
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    state.SetIterationTime(seconds);
+    best = std::min(best, seconds);
     bytes = std::max(bytes, peak_bytes - before);
   }
-  const auto n = static_cast<double>(cloud.size());
-  state.counters["points"] = n;
+  const auto n = static_cast<double>(points.size());
   state.counters["us_per_point"] = best / n * 1e6;
-  state.counters["delaunays"] = best / unit;
+  if (points.size() <= kLargestUnit) state.counters["delaunays"] = best / seconds_of_delaunay(name);
   state.counters["bytes_per_point"] = static_cast<double>(bytes) / n;
-  state.SetComplexityN(static_cast<benchmark::IterationCount>(cloud.size()));
+  state.SetComplexityN(static_cast<benchmark::IterationCount>(points.size()));
 }
 
 void run_local_delaunay(benchmark::State& state, const std::string& name, unsigned threads) {
-  measure(state, name, [&](const PointCloud& cloud) {
+  measure(state, name, [&](RawCloud raw) {
+    const PointCloud cloud = *make_cloud(std::move(raw), threads);
     Context context(threads);
     benchmark::DoNotOptimize(local_delaunay(cloud, {}, context)->mesh.triangles.size());
   });
 }
 
+void run_make_cloud(benchmark::State& state, const std::string& name, unsigned threads) {
+  measure(state, name,
+          [&](RawCloud raw) { benchmark::DoNotOptimize(make_cloud(std::move(raw), threads)->positions.data()); });
+}
+
 void run_advancing_front(benchmark::State& state, const std::string& name) {
-  measure(state, name, [](const PointCloud& cloud) {
+  measure(state, name, [](RawCloud raw) {
+    const PointCloud cloud = *make_cloud(std::move(raw));
     Context context;
     benchmark::DoNotOptimize(advancing_front(cloud, {}, context)->triangles.size());
   });
 }
 
 void run_delaunay(benchmark::State& state, const std::string& name) {
-  measure(state, name, [](const PointCloud& cloud) {
-    const auto points = exact_points(cloud);
+  measure(state, name, [](const RawCloud& raw) {
+    const auto points = exact_points(raw);
     const CGAL::Delaunay_triangulation_3<Kernel> triangulation(points.begin(), points.end());
     benchmark::DoNotOptimize(triangulation.number_of_cells());
   });
@@ -163,8 +210,10 @@ void run_delaunay(benchmark::State& state, const std::string& name) {
 
 constexpr std::size_t kNeighbours = 16;
 
+/// The cloud's own order is there already for the method, and no part of this.
 void run_neighbours(benchmark::State& state, const std::string& name) {
-  measure(state, name, [](const PointCloud& cloud) {
+  const PointCloud cloud = *make_cloud(raw_named(name));
+  measure(state, name, [&](const RawCloud&) {
     const BoxTree tree(cloud.positions, 1);
     NeighbourSearch search(tree);
     Neighbours found;
@@ -192,7 +241,9 @@ struct NanoflannPoints {
 void run_nanoflann(benchmark::State& state, const std::string& name) {
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, NanoflannPoints>,
                                                    NanoflannPoints, 3, std::uint32_t>;
-  measure(state, name, [](const PointCloud& cloud) {
+  // The same order as above, the best there is for the tree's caches.
+  const PointCloud cloud = *make_cloud(raw_named(name));
+  measure(state, name, [&](const RawCloud&) {
     const NanoflannPoints points{cloud.positions};
     Tree tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(10));
     tree.buildIndex();
@@ -205,32 +256,42 @@ void run_nanoflann(benchmark::State& state, const std::string& name) {
   });
 }
 
-void add(const std::string& name, bool peers) {
-  const auto finish = [](benchmark::internal::Benchmark* b) {
-    b->Unit(benchmark::kMillisecond)->Iterations(3)->UseRealTime();
-  };
-  const auto add_one = [&](const std::string& what, auto function, auto... arguments) {
-    finish(benchmark::RegisterBenchmark((what + "/" + name).c_str(), function, name, arguments...));
-  };
-  add_one("local_delaunay_1_thread", run_local_delaunay, 1U);
-  add_one("local_delaunay_2_threads", run_local_delaunay, 2U);
-  add_one("cgal_delaunay", run_delaunay);
+template <class... Arguments>
+void add_one(const std::string& what, const std::string& name, int runs, Arguments... arguments) {
+  benchmark::RegisterBenchmark((what + "/" + name).c_str(), arguments...)
+      ->Unit(benchmark::kMillisecond)
+      ->Iterations(runs)
+      ->UseManualTime();
+}
+
+void add(const std::string& name, bool peers, int runs) {
+  add_one("local_delaunay_1_thread", name, runs, run_local_delaunay, name, 1U);
+  add_one("local_delaunay_2_threads", name, runs, run_local_delaunay, name, 2U);
+  add_one("make_cloud_1_thread", name, runs, run_make_cloud, name, 1U);
+  add_one("cgal_delaunay", name, 1, run_delaunay, name);
   if (!peers) return;
-  add_one("cgal_advancing_front", run_advancing_front);
-  add_one("neighbours_16", run_neighbours);
-  add_one("nanoflann_16", run_nanoflann);
+  add_one("cgal_advancing_front", name, 1, run_advancing_front, name);
+  add_one("neighbours_16", name, runs, run_neighbours, name);
+  add_one("nanoflann_16", name, runs, run_nanoflann, name);
 }
 
 }  // namespace
 }  // namespace surfaced::benchmarks
 
 int main(int argc, char** argv) {
-  for (const char* scan : {"bunny", "igea", "anchor"}) {
-    if (std::filesystem::exists(std::filesystem::path(SURFACED_SHARED_DATA) / (std::string(scan) + ".ply")))
-      surfaced::benchmarks::add(scan, true);
+  using surfaced::benchmarks::add;
+  constexpr int kRuns = 3;
+  for (const std::string scan : {"bunny", "igea", "anchor"}) {
+    if (!std::filesystem::exists(std::filesystem::path(SURFACED_SHARED_DATA) / (scan + ".ply"))) continue;
+    add(scan, true, kRuns);
+    add(scan + "_shuffled", false, kRuns);
   }
-  surfaced::benchmarks::add("torus1000000", true);
-  surfaced::benchmarks::add("torus10000000", false);
+  add("bumpy1000000", true, kRuns);
+  add("bumpy1000000_shuffled", false, kRuns);
+  add("torus1000000", true, kRuns);
+  add("bumpy10000000", false, 1);
+  add("bumpy10000000_shuffled", false, 1);
+  add("torus10000000", false, 1);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
