@@ -6,9 +6,12 @@
 namespace surfaced {
 namespace {
 
-double nearest_rank(const std::vector<double>& sorted, double fraction) {
-  const auto rank = static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(sorted.size())));
-  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
+/// Percentile by nearest rank; reorders the values.
+double nearest_rank(std::vector<double>& values, double fraction) {
+  const auto rank = static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(values.size())));
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::clamp<std::size_t>(rank, 1, values.size()) - 1);
+  std::ranges::nth_element(values, at);
+  return *at;
 }
 
 Distribution distribution_of(std::vector<double> values, double upper) {
@@ -20,9 +23,9 @@ Distribution distribution_of(std::vector<double> values, double upper) {
     ++d.histogram[std::min(bin, Distribution::kBins - 1)];
   }
   d.mean /= static_cast<double>(values.size());
-  std::ranges::sort(values);
-  d.min = values.front();
-  d.max = values.back();
+  const auto [least, greatest] = std::ranges::minmax(values);
+  d.min = least;
+  d.max = greatest;
   d.p05 = nearest_rank(values, 0.05);
   d.p50 = nearest_rank(values, 0.50);
   d.p95 = nearest_rank(values, 0.95);

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <unordered_set>
 
 #include "reconstruction/methods.hpp"
+#include "reconstruction/position_set.hpp"
 #include "reconstruction/provenance.hpp"
 #include "reconstruction/report.hpp"
 
@@ -38,14 +38,7 @@ void compact(TriangleMesh& mesh) {
   }
 }
 
-struct PositionHash {
-  std::size_t operator()(const Point3& p) const {
-    std::size_t hash = 0;
-    for (const double x : p) hash = hash * 0x9E3779B97F4A7C15U + std::hash<double>{}(x);
-    return hash;
-  }
-};
-using PositionSet = std::unordered_set<Point3, PositionHash>;
+Point3 without_minus_zero(const Point3& p) { return {p[0] + 0.0, p[1] + 0.0, p[2] + 0.0}; }
 
 /// What the encoding did to the vertices, which keep their order.
 struct EncodingEffect {
@@ -55,11 +48,10 @@ struct EncodingEffect {
 
 EncodingEffect effect_of_encoding(const TriangleMesh& computed, const TriangleMesh& decoded) {
   EncodingEffect effect;
-  PositionSet distinct;
-  distinct.reserve(decoded.positions.size());
+  PositionSet distinct(decoded.positions.size());
   for (std::size_t v = 0; v < decoded.positions.size(); ++v) {
     effect.max_error = std::max(effect.max_error, norm(decoded.positions[v] - computed.positions[v]));
-    if (!distinct.insert(decoded.positions[v]).second) ++effect.merged_vertices;
+    if (!distinct.insert(without_minus_zero(decoded.positions[v]))) ++effect.merged_vertices;
   }
   return effect;
 }
@@ -67,15 +59,19 @@ EncodingEffect effect_of_encoding(const TriangleMesh& computed, const TriangleMe
 /// Distinct points of the cloud that no triangle of the mesh uses. A point is a vertex if it equals one
 /// after both are rounded to float32, the precision of mesh files.
 PointUse use_of_points(const PointCloud& cloud, const TriangleMesh& mesh, const Topology& topology, bool interpolates) {
+  // Adding 0 makes +0 of the -0 that tiny negative numbers become.
   const auto rounded = [](const Point3& p) {
     Point3 r;
-    for (std::size_t axis = 0; axis < 3; ++axis) r[axis] = static_cast<double>(static_cast<float>(p[axis]));
+    for (std::size_t axis = 0; axis < 3; ++axis) r[axis] = static_cast<double>(static_cast<float>(p[axis])) + 0.0;
     return r;
   };
-  PositionSet vertices;
-  vertices.reserve(mesh.positions.size());
+  PositionSet vertices(mesh.positions.size());
+  std::vector<bool> seen(mesh.positions.size(), false);
   for (const Triangle& t : mesh.triangles) {
-    for (const VertexIndex v : t) vertices.insert(rounded(mesh.positions[v]));
+    for (const VertexIndex v : t) {
+      if (!seen[v]) vertices.insert(rounded(mesh.positions[v]));
+      seen[v] = true;
+    }
   }
   std::vector<Point3> unused;
   for (const Point3& p : cloud.positions) {
