@@ -17,6 +17,9 @@ class BallRatio {
   /// 0..2; for a hull facet the outer ball is the half-space. Facets of infinite cells with each other: 2.
   float of(SideIndex s) const;
 
+  /// Circumradius of a finite cell; infinite where it is too flat to compute.
+  float radius(CellIndex c) const { return balls_[c].radius; }
+
  private:
   struct Ball {
     float x, y, z, radius;

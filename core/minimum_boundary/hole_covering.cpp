@@ -46,23 +46,6 @@ std::size_t prune(const DelaunayComplex& complex, FacetSet& facets, std::vector<
   return lids.size();
 }
 
-/// How badly a covered complex leaves the points: outside, pinched or inside.
-struct Score {
-  std::size_t lost = 0;
-  std::size_t interior = 0;
-};
-
-Score score_of(const DelaunayComplex& complex, const FacetSet& walls, unsigned threads) {
-  Labelling labels(complex);
-  labels.assign(cells_behind(complex, walls), threads);
-  Score score;
-  for (const VertexState state : states_of(labels, threads)) {
-    if (!good(state)) ++score.lost;
-    if (state == VertexState::interior) ++score.interior;
-  }
-  return score;
-}
-
 }  // namespace
 
 Covered cover_by_artifacts(const Walls& walls) {
@@ -92,31 +75,52 @@ Covered cover_by_artifacts(const Walls& walls) {
   return covered;
 }
 
-Covered cover_by_balls(const DelaunayComplex& complex, const FacetSet& boundary, std::optional<double> delta,
-                       unsigned threads) {
-  const BallRatio ratio(complex, threads);
-  const auto covered_at = [&](double level) {
-    Covered covered{boundary};
-    covered.delta = level;
-    for (std::size_t s = 0; s < 4 * complex.cells(); ++s) {
-      if (s > complex.mate(s) || boundary.contains(SideIndex(s))) continue;
-      if (complex.facet(SideIndex(s))[2] == complex.points() || static_cast<double>(ratio.of(SideIndex(s))) >= level) {
-        continue;
-      }
-      covered.facets.insert(complex, SideIndex(s));
-      ++covered.lids;
-    }
-    const Score score = score_of(complex, covered.facets, threads);
-    covered.leak = static_cast<double>(score.lost) / static_cast<double>(complex.points());
-    return std::pair(covered, score.lost + score.interior);
-  };
-  if (delta) return covered_at(*delta).first;
-  auto best = covered_at(kLadder.front());
-  for (std::size_t k = 1; k < kLadder.size(); ++k) {
-    auto next = covered_at(kLadder[k]);
-    if (next.second < best.second) best = std::move(next);
+FloodScore flood_score(const DelaunayComplex& complex, const FacetSet& walls, unsigned threads) {
+  Labelling labels(complex);
+  labels.assign(cells_behind(complex, walls), threads);
+  FloodScore score;
+  for (const VertexState state : states_of(labels, threads)) {
+    if (!good(state)) ++score.lost;
+    if (state == VertexState::interior) ++score.interior;
   }
-  return best.first;
+  return score;
+}
+
+Covered cover_at(const DelaunayComplex& complex, const FacetSet& boundary, const BallRatio& ratio, double delta) {
+  Covered covered{boundary};
+  covered.delta = delta;
+  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) {
+    if (s > complex.mate(s) || boundary.contains(SideIndex(s))) continue;
+    if (complex.facet(SideIndex(s))[2] == complex.points() || static_cast<double>(ratio.of(SideIndex(s))) >= delta) {
+      continue;
+    }
+    covered.facets.insert(complex, SideIndex(s));
+    ++covered.lids;
+  }
+  return covered;
+}
+
+Result<std::vector<Rung>> climb_ladder(const DelaunayComplex& complex, const FacetSet& boundary, const BallRatio& ratio,
+                                       Context& context) {
+  std::vector<Rung> rungs;
+  for (const double delta : kLadder) {
+    if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled while covering holes"};
+    const Covered covered = cover_at(complex, boundary, ratio, delta);
+    rungs.push_back({delta, flood_score(complex, covered.facets, context.threads())});
+    context.report(static_cast<double>(rungs.size()) / static_cast<double>(kLadder.size()));
+  }
+  return rungs;
+}
+
+Result<Covered> cover_by_balls(const DelaunayComplex& complex, const FacetSet& boundary, std::optional<double> delta,
+                               Context& context) {
+  const BallRatio ratio(complex, context.threads());
+  if (!delta) {
+    const Result<std::vector<Rung>> rungs = climb_ladder(complex, boundary, ratio, context);
+    if (!rungs) return rungs.error();
+    delta = std::ranges::min_element(*rungs, {}, [](const Rung& r) { return r.score.sum(); })->delta;
+  }
+  return cover_at(complex, boundary, ratio, *delta);
 }
 
 }  // namespace surfaced::boundary

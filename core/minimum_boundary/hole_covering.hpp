@@ -2,7 +2,7 @@
 #pragma once
 
 #include <optional>
-#include <span>
+#include <vector>
 
 #include "minimum_boundary/artifacts.hpp"
 #include "minimum_boundary/ball_ratio.hpp"
@@ -17,19 +17,41 @@ struct Covered {
   /// Artifacts that were looked at, and those with hull holes (lids=paper).
   std::size_t artifacts = 0;
   std::size_t hull_holes = 0;
-  /// Ball ratio below which facets became lids (lids=ball).
+  /// Ball ratio below which facets became lids (lids=ball), or that told which cells may be seeds (lids=mincut).
   double delta = 0;
-  /// Share of the points left outside or pinched before inflating: large where the outside leaks in.
-  double leak = 0;
+  /// lids=mincut: how large seeds are.
+  double seed_factor = 0;
 };
+
+/// What the outside leaves of the points when it floods everything that is not walled off, before inflating.
+struct FloodScore {
+  /// Points outside or pinched: many where the outside leaks in.
+  std::size_t lost = 0;
+  std::size_t interior = 0;
+  std::size_t sum() const { return lost + interior; }
+};
+FloodScore flood_score(const DelaunayComplex& complex, const FacetSet& walls, unsigned threads);
 
 /// The paper's way: for every artifact with a hull hole all facets of the triangulation between its vertices,
 /// pruned until no edge has a single facet.
 Covered cover_by_artifacts(const Walls& walls);
 
-/// All facets whose ball ratio is below delta. Without delta, the one of a fixed ladder that leaves the
-/// fewest points outside, inside or pinched.
-Covered cover_by_balls(const DelaunayComplex& complex, const FacetSet& boundary, std::optional<double> delta,
-                       unsigned threads);
+/// BC with all facets whose ball ratio is below delta.
+Covered cover_at(const DelaunayComplex& complex, const FacetSet& boundary, const BallRatio& ratio, double delta);
+
+struct Rung {
+  double delta;
+  FloodScore score;
+};
+/// Scores of a fixed ladder of ball ratios, ascending.
+/// @return  cancelled.
+Result<std::vector<Rung>> climb_ladder(const DelaunayComplex& complex, const FacetSet& boundary, const BallRatio& ratio,
+                                       Context& context);
+
+/// `cover_at` delta. Without delta, at the rung of the ladder that leaves the fewest points outside, inside or
+/// pinched.
+/// @return  cancelled.
+Result<Covered> cover_by_balls(const DelaunayComplex& complex, const FacetSet& boundary, std::optional<double> delta,
+                               Context& context);
 
 }  // namespace surfaced::boundary

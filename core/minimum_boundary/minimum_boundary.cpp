@@ -10,7 +10,6 @@
 #include "minimum_boundary/candidates.hpp"
 #include "minimum_boundary/conforming.hpp"
 #include "minimum_boundary/criterion.hpp"
-
 #include "minimum_boundary/curvature.hpp"
 #include "minimum_boundary/descent.hpp"
 #include "minimum_boundary/fusing.hpp"
@@ -19,6 +18,7 @@
 #include "minimum_boundary/inflating.hpp"
 #include "minimum_boundary/labelling.hpp"
 #include "minimum_boundary/measures.hpp"
+#include "minimum_boundary/min_cut.hpp"
 #include "minimum_boundary/sculpturing.hpp"
 #include "minimum_boundary/surgery.hpp"
 #include "minimum_boundary/watershed.hpp"
@@ -94,7 +94,7 @@ class Run {
                                  const Criterion& criterion) {
     if (parameters_.variant == Parameters::Variant::paper) return papers_way(complex, boundary, criterion);
     if (parameters_.lids != Parameters::Lids::watershed) {
-      Result<Covered> covered = cover(complex, boundary, Labelling(complex), parameters_.lids);
+      Result<Covered> covered = cover(complex, boundary, criterion, Labelling(complex), parameters_.lids);
       if (!covered) return std::move(covered).error();
       return finish(complex, cells_behind(complex, covered->facets), boundary, criterion);
     }
@@ -117,18 +117,23 @@ class Run {
   }
 
   /// BC with lids; `labels` are the cells already taken in.
-  Result<Covered> cover(const DelaunayComplex& complex, const BoundaryComplex& boundary, const Labelling& labels,
-                        Parameters::Lids lids) {
+  Result<Covered> cover(const DelaunayComplex& complex, const BoundaryComplex& boundary, const Criterion& criterion,
+                        const Labelling& labels, Parameters::Lids lids) {
     if (Status begun = begin("cover-holes", 0.75); !begun) return std::move(begun).error();
-    Covered covered{boundary.facets};
+    Result<Covered> covered = Covered{boundary.facets};
     if (lids == Parameters::Lids::paper) covered = cover_by_artifacts(Walls{labels, boundary.facets});
     if (lids == Parameters::Lids::ball) {
-      covered = cover_by_balls(complex, boundary.facets, parameters_.delta, context_.threads());
+      covered = cover_by_balls(complex, boundary.facets, parameters_.delta, context_);
     }
-    result_.statistics.lids = covered.lids;
-    result_.statistics.artifacts = covered.artifacts;
-    result_.statistics.hull_holes = covered.hull_holes;
-    result_.statistics.delta = covered.delta;
+    if (lids == Parameters::Lids::mincut) {
+      covered = cover_by_cut(complex, boundary.facets, criterion, parameters_.delta, context_);
+    }
+    if (!covered) return covered;
+    result_.statistics.lids = covered->lids;
+    result_.statistics.artifacts = covered->artifacts;
+    result_.statistics.hull_holes = covered->hull_holes;
+    result_.statistics.delta = covered->delta;
+    result_.statistics.seed_factor = covered->seed_factor;
     return covered;
   }
 
@@ -144,7 +149,7 @@ class Run {
 
     const Parameters::Lids lids =
         parameters_.lids == Parameters::Lids::watershed ? Parameters::Lids::paper : parameters_.lids;
-    const Result<Covered> covered = cover(complex, boundary, labels, lids);
+    const Result<Covered> covered = cover(complex, boundary, criterion, labels, lids);
     if (!covered) return covered.error();
     std::vector<std::uint8_t> in = cells_behind(complex, covered->facets);
     for (std::size_t c = 0; c < in.size(); ++c) in[c] = in[c] != 0 || labels.in(CellIndex(c)) ? 1 : 0;

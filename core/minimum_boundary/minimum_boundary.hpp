@@ -17,14 +17,14 @@ struct MinimumBoundaryParameters {
   /// One component, or as many as the boundary complex without the connectedness condition finds (§8).
   enum class Components : std::uint8_t { one, many };
   /// How holes in the hull of the boundary complex are covered (§5.4 and what is stronger).
-  enum class Lids : std::uint8_t { watershed, ball, paper, none };
+  enum class Lids : std::uint8_t { watershed, ball, paper, mincut, none };
   /// best: all candidates, fused; fast: one candidate; paper: the paper's own way.
   enum class Variant : std::uint8_t { best, fast, paper };
   enum class StopAfter : std::uint8_t { none, boundary_complex, inflated };
 
   Components components = Components::one;
   Lids lids = Lids::watershed;
-  /// Ball ratio below which lids=ball covers; none chooses.
+  /// Ball ratio below which lids=ball covers, and behind whose lids lids=mincut seeks its seeds; none chooses.
   std::optional<double> delta = std::nullopt;
   Variant variant = Variant::best;
   StopAfter stop_after = StopAfter::none;
@@ -47,9 +47,10 @@ struct MinimumBoundaryStatistics {
   std::size_t conforming_cells = 0;
   std::size_t artifacts = 0;
   std::size_t hull_holes = 0;
-  /// Facets added to cover holes, and the ball ratio that lids=ball chose.
+  /// Facets added to cover holes, the ball ratio that lids=ball or mincut chose, and how large mincut's seeds are.
   std::size_t lids = 0;
   double delta = 0;
+  double seed_factor = 0;
   std::size_t inflated_cells = 0;
   /// Cells taken in by the fallback that Theorem B shows to be unreachable.
   std::size_t forced_cells = 0;

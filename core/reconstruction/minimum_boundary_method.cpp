@@ -12,6 +12,7 @@ Parameters parameters_of(const Json& json) {
   if (json.at("lids") == "none") parameters.lids = Parameters::Lids::none;
   if (json.at("lids") == "ball") parameters.lids = Parameters::Lids::ball;
   if (json.at("lids") == "paper") parameters.lids = Parameters::Lids::paper;
+  if (json.at("lids") == "mincut") parameters.lids = Parameters::Lids::mincut;
   if (json.at("delta").is_number()) parameters.delta = json.at("delta").get<double>();
   if (json.at("variant") == "paper") parameters.variant = Parameters::Variant::paper;
   if (json.at("variant") == "fast") parameters.variant = Parameters::Variant::fast;
@@ -42,6 +43,7 @@ Json statistics_json(const MinimumBoundaryStatistics& s) {
               {"hull_holes", s.hull_holes},
               {"lids", s.lids},
               {"delta", s.delta},
+              {"seed_factor", s.seed_factor},
               {"inflated_cells", s.inflated_cells},
               {"exposed_vertices", s.exposed_vertices},
               {"flipped_edges", s.flipped_edges},
@@ -66,42 +68,44 @@ Result<Reconstruction> run_minimum_boundary(const PointCloud& cloud, const Json&
 }
 
 Json parameter_properties() {
-  return Json{{"components",
-               {{"enum", {"one", "many"}},
-                {"default", "one"},
-                {"title", "Connectedness"},
-                {"description", "one asks for a single surface; many drops the paper's connectedness condition."}}},
-              {"lids",
-               {{"enum", {"watershed", "ball", "paper", "none"}},
-                {"default", "watershed"},
-                {"title", "How holes in the hull of the boundary complex are covered"},
-                {"description",
-                 "watershed merges the Delaunay cells that lie on the same side, highest overlap of their balls first, "
-                 "guarded by the boundary complex; ball adds all facets of low overlap; paper adds the facets between "
-                 "the vertices of artifacts with hull holes; none covers nothing. With variant=paper, watershed "
-                 "stands for paper."}}},
-              {"delta",
-               {{"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"minimum", 0}, {"maximum", 2}}}},
-                {"default", "auto"},
-                {"title", "Overlap below which lids=ball covers"},
-                {"description",
-                 "Ball ratio (r0 + r1 - distance) / min(r0, r1); auto tries a ladder of values and keeps "
-                 "the one that loses the fewest points."},
-                {"x-unit", "1"}}},
-              {"variant",
-               {{"enum", {"best", "fast", "paper"}},
-                {"default", "best"},
-                {"title", "Effort"},
-                {"description",
-                 "best compares several labellings and keeps the best parts of each; fast makes one; paper takes the "
-                 "steps of the paper: conforming, hole covering, inflating, sculpturing."}}},
-              {"stop_after",
-               {{"enum", {"none", "boundary-complex", "inflated"}},
-                {"default", "none"},
-                {"title", "Stage to stop after"},
-                {"description",
-                 "boundary-complex gives BC_0 for display, which is not manifold; inflated the closed surface "
-                 "before its last improvement."}}}};
+  return Json{
+      {"components",
+       {{"enum", {"one", "many"}},
+        {"default", "one"},
+        {"title", "Connectedness"},
+        {"description", "one asks for a single surface; many drops the paper's connectedness condition."}}},
+      {"lids",
+       {{"enum", {"watershed", "ball", "paper", "mincut", "none"}},
+        {"default", "watershed"},
+        {"title", "How holes in the hull of the boundary complex are covered"},
+        {"description",
+         "watershed merges the Delaunay cells that lie on the same side, highest overlap of their balls first, "
+         "guarded by the boundary complex; ball adds all facets of low overlap; paper adds the facets between "
+         "the vertices of artifacts with hull holes; mincut adds the facets of least total length that part large "
+         "balls from the outside, for scans with wide openings; none covers nothing. With variant=paper, "
+         "watershed stands for paper."}}},
+      {"delta",
+       {{"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"minimum", 0}, {"maximum", 2}}}},
+        {"default", "auto"},
+        {"title", "Overlap below which lids=ball covers and lids=mincut seeks its seeds"},
+        {"description",
+         "Ball ratio (r0 + r1 - distance) / min(r0, r1); auto tries a ladder of values and keeps "
+         "what loses the fewest points."},
+        {"x-unit", "1"}}},
+      {"variant",
+       {{"enum", {"best", "fast", "paper"}},
+        {"default", "best"},
+        {"title", "Effort"},
+        {"description",
+         "best compares several labellings and keeps the best parts of each; fast makes one; paper takes the "
+         "steps of the paper: conforming, hole covering, inflating, sculpturing."}}},
+      {"stop_after",
+       {{"enum", {"none", "boundary-complex", "inflated"}},
+        {"default", "none"},
+        {"title", "Stage to stop after"},
+        {"description",
+         "boundary-complex gives BC_0 for display, which is not manifold; inflated the closed surface "
+         "before its last improvement."}}}};
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <random>
@@ -13,6 +15,7 @@
 #include "minimum_boundary/inflating.hpp"
 #include "minimum_boundary/labelling.hpp"
 #include "minimum_boundary/measures.hpp"
+#include "minimum_boundary/min_cut.hpp"
 #include "support/nasty_clouds.hpp"
 
 namespace surfaced::boundary {
@@ -242,6 +245,86 @@ TEST(Hull, flood_stops_at_walls_and_nowhere_else) {
       }
     }
   }
+}
+
+/// Shortest augmenting paths from the outside to the seeds, one unit of every cell a node: the cells that are out
+/// of reach when there are no more.
+std::vector<std::uint8_t> slow_cells_behind_cut(const DelaunayComplex& complex, const FacetSet& boundary,
+                                                const Criterion& criterion, const std::vector<std::uint8_t>& seeds) {
+  std::vector<std::int64_t> rest(4 * complex.cells(), 0);
+  for (std::size_t s = 0; s < rest.size(); ++s) {
+    if (!boundary.contains(SideIndex(s)) && complex.facet(SideIndex(s))[2] < complex.points()) {
+      rest[s] = criterion.energy(SideIndex(s));
+    }
+  }
+  for (;;) {
+    std::vector<std::int64_t> came_by(complex.cells(), -1);
+    std::vector<std::size_t> queue;
+    std::vector<std::uint8_t> behind(complex.cells(), 1);
+    for (std::size_t c = 0; c < complex.cells(); ++c) {
+      if (!complex.infinite(CellIndex(c))) continue;
+      queue.push_back(c);
+      behind[c] = 0;
+    }
+    std::size_t end = complex.cells();
+    for (std::size_t next = 0; next < queue.size() && end == complex.cells(); ++next) {
+      const std::size_t c = queue[next];
+      for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
+        const std::size_t beyond = complex.neighbour(SideIndex(s));
+        if (rest[s] == 0 || behind[beyond] == 0) continue;
+        behind[beyond] = 0;
+        came_by[beyond] = static_cast<std::int64_t>(s);
+        queue.push_back(beyond);
+        if (seeds[beyond] != 0) end = beyond;
+      }
+    }
+    if (end == complex.cells()) return behind;
+    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    for (std::size_t c = end; came_by[c] >= 0; c = static_cast<std::size_t>(came_by[c]) / 4) {
+      least = std::min(least, rest[static_cast<std::size_t>(came_by[c])]);
+    }
+    for (std::size_t c = end; came_by[c] >= 0; c = static_cast<std::size_t>(came_by[c]) / 4) {
+      rest[static_cast<std::size_t>(came_by[c])] -= least;
+      rest[complex.mate(static_cast<std::size_t>(came_by[c]))] += least;
+    }
+  }
+}
+
+TEST(MinCut, agrees_with_shortest_augmenting_paths_and_is_the_cut_nearest_to_infinity) {
+  std::mt19937 random(5);
+  for (const Fixture& f : fixtures(6000, 300)) {
+    const Criterion criterion(f.complex);
+    Context context;
+    const auto boundary = boundary_complex(f.complex, criterion, true, context);
+    std::vector<std::uint8_t> seeds(f.complex.cells(), 0);
+    const auto share = 2 + random() % 20;
+    for (std::size_t c = 0; c < seeds.size(); ++c) {
+      seeds[c] = !f.complex.infinite(CellIndex(c)) && random() % share == 0 ? 1 : 0;
+    }
+    // With the whole boundary complex most seeds are shut off already: also with half of it.
+    FacetSet walls = boundary->facets;
+    for (std::size_t s = 0; s < 4 * f.complex.cells(); ++s) {
+      if (walls.contains(SideIndex(s)) && random() % 2 == 0) walls.erase(f.complex, SideIndex(s));
+    }
+    for (const FacetSet& set : {boundary->facets, walls}) {
+      const auto behind = cells_behind_cut(f.complex, set, criterion, seeds, context);
+      ASSERT_TRUE(behind);
+      EXPECT_EQ(*behind, slow_cells_behind_cut(f.complex, set, criterion, seeds));
+    }
+  }
+}
+
+TEST(MinCut, stops_within_the_flow_when_cancelled) {
+  const PointCloud cloud = *make_cloud(testing::raw_cloud(testing::random_points(3000, 1)));
+  Context free;
+  const auto complex = delaunay_complex(cloud, free, 1);
+  const std::atomic<bool> cancel{true};
+  Context context(1, {}, &cancel);
+  std::vector<std::uint8_t> seeds(complex->cells(), 0);
+  for (std::size_t c = 0; c < seeds.size(); c += 7) seeds[c] = complex->infinite(CellIndex(c)) ? 0 : 1;
+  const auto behind = cells_behind_cut(*complex, FacetSet(*complex), Criterion(*complex), seeds, context);
+  ASSERT_FALSE(behind);
+  EXPECT_EQ(behind.error().code, ErrorCode::cancelled);
 }
 
 }  // namespace
