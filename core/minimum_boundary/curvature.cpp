@@ -1,52 +1,87 @@
 #include "minimum_boundary/curvature.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
+#include "base/parallel.hpp"
 #include "minimum_boundary/descent.hpp"
 
 namespace surfaced::boundary {
 namespace {
 
+/// Cells whose bends are summed together, so that the sum does not depend on the number of threads.
+constexpr std::size_t kBlock = 1U << 14U;
+
 class Bending {
  public:
   explicit Bending(Labelling& labels) : labels_(labels), complex_(labels.complex()) {}
 
-  double total() const {
-    double sum = 0;
-    for (std::size_t s = 0; s < 4 * complex_.cells(); ++s) {
-      if (!labels_.in(CellIndex(s / 4)) || !labels_.on_border(SideIndex(s))) continue;
-      for (const VertexIndex v : complex_.facet(SideIndex(s))) {
-        const SideIndex next = beyond(SideIndex(s), v);
-        if (s < next) sum += bend(SideIndex(s), next, v);
+  double total(unsigned threads) const {
+    std::vector<double> sums((complex_.cells() + kBlock - 1) / kBlock, 0);
+    parallel_ranges(threads, sums.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t b = begin; b < end; ++b) {
+        const std::size_t last = std::min(complex_.cells(), (b + 1) * kBlock);
+        for (std::size_t c = b * kBlock; c < last; ++c) sums[b] += at_cell(CellIndex(c));
       }
-    }
-    return sum;
+    });
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
   }
 
-  /// Flips the cell if that lowers K; returns by how much.
-  double improve(CellIndex c) {
-    if (complex_.infinite(c) || std::popcount(labels_.border(c)) != 2 || !flip_is_legal(labels_, c)) return 0;
-    const double before = around(c);
-    labels_.flip(c);
-    const double after = around(c);
-    if (after < before) return before - after;
-    labels_.flip(c);
-    return 0;
-  }
-
- private:
-  /// The five edges of the two facets that a cell shows.
-  double around(CellIndex c) const {
+  /// By how much K falls if the cell is flipped; 0 if it does not fall or the flip is not legal.
+  double gain(CellIndex c) const {
     const unsigned border = labels_.border(c);
+    if (std::popcount(border) != 2 || complex_.infinite(c) || !flip_is_legal(labels_, c)) return 0;
     const auto i = static_cast<std::size_t>(std::countr_zero(border));
     const auto j = static_cast<std::size_t>(std::bit_width(border)) - 1;
-    double sum = 0;
+    std::array<Point3, 4> own;
+    for (std::size_t k = 0; k < 4; ++k) own[k] = normal(SideIndex(4 * c + k));
+    std::array<std::size_t, 2> rest;
+    std::size_t count = 0;
     for (std::size_t k = 0; k < 4; ++k) {
-      const VertexIndex v = complex_.vertex(4 * c + k);
-      if (k != i) sum += over_edge(SideIndex(4 * c + i), v);
-      if (k != i && k != j) sum += over_edge(SideIndex(4 * c + j), v);
+      if (k != i && k != j) rest[count++] = k;
+    }
+    // Sides i and j share the edge of the rest; after the flip the sides of the rest share the edge from i to j.
+    // The edge opposite i and one of the rest belongs to side i now and to the side of that one then; the facet
+    // beyond it stays.
+    double fall =
+        angle(own[i], own[j]) * length(c, rest[0], rest[1]) - angle(own[rest[0]], own[rest[1]]) * length(c, i, j);
+    for (const auto& [shown, other] : {std::array{i, j}, std::array{j, i}}) {
+      for (std::size_t k = 0; k < 2; ++k) {
+        const SideIndex next = beyond(SideIndex(4 * c + shown), complex_.vertex(4 * c + rest[k]));
+        // Seen from this cell's side now, hence from the other label: the sense of both normals turns with the flip.
+        const Point3 outer = normal(next);
+        const Point3 then = own[rest[k]];
+        fall +=
+            (angle(own[shown], outer) - angle({-then[0], -then[1], -then[2]}, outer)) * length(c, other, rest[1 - k]);
+      }
+    }
+    return std::max(fall, 0.0);
+  }
+
+  void flip(CellIndex c) { labels_.flip(c); }
+
+ private:
+  /// Every edge once, at the lesser of the two inner sides that meet at it.
+  double at_cell(CellIndex c) const {
+    if (!labels_.in(c)) return 0;
+    double sum = 0;
+    for (unsigned bits = labels_.border(c); bits != 0; bits &= bits - 1) {
+      const SideIndex side(4 * c + static_cast<std::size_t>(std::countr_zero(bits)));
+      for (std::size_t k = 4 * c; k < 4 * c + 4; ++k) {
+        if (k == side) continue;
+        const SideIndex next = beyond(side, complex_.vertex(k));
+        if (side > next) continue;
+        std::array<std::size_t, 2> ends;
+        std::size_t count = 0;
+        for (std::size_t e = 0; e < 4; ++e) {
+          if (e != side % 4 && e != k % 4) ends[count++] = e;
+        }
+        sum += angle(normal(side), normal(next)) * length(c, ends[0], ends[1]);
+      }
     }
     return sum;
   }
@@ -63,16 +98,10 @@ class Bending {
     }
   }
 
-  double over_edge(SideIndex side, VertexIndex v) const { return bend(side, beyond(side, v), v); }
+  static double angle(const Point3& m, const Point3& n) { return std::atan2(norm(cross(m, n)), dot(m, n)); }
 
-  /// |angle| times length at the edge of `side` opposite v, between it and `next`.
-  double bend(SideIndex side, SideIndex next, VertexIndex v) const {
-    const Point3 m = normal(side);
-    const Point3 n = normal(next);
-    const auto facet = complex_.facet(side);
-    const auto at = static_cast<std::size_t>(std::ranges::find(facet, v) - facet.begin());
-    const double length = norm(complex_.positions[facet[(at + 1) % 3]] - complex_.positions[facet[(at + 2) % 3]]);
-    return std::abs(std::atan2(norm(cross(m, n)), dot(m, n))) * length;
+  double length(CellIndex c, std::size_t a, std::size_t b) const {
+    return norm(complex_.positions[complex_.vertex(4 * c + a)] - complex_.positions[complex_.vertex(4 * c + b)]);
   }
 
   Point3 normal(SideIndex s) const {
@@ -86,11 +115,22 @@ class Bending {
 
 }  // namespace
 
-double curvature_reduction(Labelling labels) {
+double curvature_reduction(Labelling labels, unsigned threads) {
   Bending bending(labels);
-  const double total = bending.total();
+  const double total = bending.total(threads);
+  const std::size_t cells = labels.complex().cells();
+  std::vector<std::uint8_t> wanted(cells);
+  parallel_ranges(threads, cells, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) wanted[c] = bending.gain(CellIndex(c)) > 0 ? 1 : 0;
+  });
   double removed = 0;
-  for (std::size_t c = 0; c < labels.complex().cells(); ++c) removed += bending.improve(CellIndex(c));
+  for (std::size_t c = 0; c < cells; ++c) {
+    if (wanted[c] == 0) continue;
+    // What its neighbours did since may have changed it.
+    const double gain = bending.gain(CellIndex(c));
+    if (gain > 0) bending.flip(CellIndex(c));
+    removed += gain;
+  }
   return total > 0 ? 100 * removed / total : 0;
 }
 

@@ -6,8 +6,9 @@
 namespace surfaced::boundary {
 
 /// K = Σ over edges of |angle between the normals| times length.
-/// @param labels  a copy is flipped where that lowers K and is legal (Theorem C), cell by cell.
+/// @param labels  a copy is flipped where that lowers K and is legal (Theorem C): one pass over the cells of
+///                which that holds at the beginning.
 /// @return        100 (1 - K'/K), K' after the flips; 0 where K is 0. Reported, never used.
-double curvature_reduction(Labelling labels);
+double curvature_reduction(Labelling labels, unsigned threads);
 
 }  // namespace surfaced::boundary

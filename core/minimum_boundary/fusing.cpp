@@ -1,6 +1,7 @@
 #include "minimum_boundary/fusing.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/union_find.hpp"
 
@@ -37,29 +38,29 @@ class Fuser {
         search_(search) {}
 
   Fused run() {
-    Fused fused;
     const auto cells = differences(labels_, other_);
     for (std::size_t begin = 0, end = 0; begin < cells.size(); begin = end) {
       region_.clear();
       for (end = begin; end < cells.size() && cells[end].first == cells[begin].first; ++end) {
         region_.push_back(cells[end].second);
       }
-      ++fused.regions;
-      if (take_if_better()) ++fused.taken;
+      ++fused_.regions;
+      if (take_if_better()) ++fused_.taken;
     }
-    return fused;
+    return fused_;
   }
 
  private:
   /// Flips the region if that is an improvement.
   bool take_if_better() {
     collect_vertices();
-    const double gain = score_of_flip();
-    if (gain >= 0 && !one_component_) return false;
+    const auto [gain, euler_change] = score_of_flip();
+    if (gain >= 0 && !one_component_ && euler_change == 0) return false;
     const std::size_t before = search_.components(labels_, vertices_);
-    if (gain >= 0 && before < 2) return false;
+    if (gain >= 0 && before < 2 && euler_change == 0) return false;
     flip();
     const std::size_t after = search_.components(labels_, vertices_);
+    if (euler_change != 0 && after == before) fused_.margin = std::min(fused_.margin, std::abs(gain));
     const bool better = after < before ? one_component_ || gain < 0 : after == before && gain < 0;
     if (!better) flip();
     return better;
@@ -82,8 +83,13 @@ class Fuser {
     return std::ranges::count_if(vertices_, [&](VertexIndex v) { return labels_.state(v) == VertexState::interior; });
   }
 
+  struct Gain {
+    double score;
+    std::int64_t euler;
+  };
+
   /// A facet of the region changes its place if only one of its cells is flipped.
-  double score_of_flip() {
+  Gain score_of_flip() {
     std::int64_t energy_change = 0;
     std::int64_t energy_sum = 0;
     std::int64_t facet_change = 0;
@@ -106,8 +112,9 @@ class Fuser {
     flip();
     const double mean = static_cast<double>(std::max<std::int64_t>(1, energy_sum)) / static_cast<double>(facets);
     const std::int64_t euler_change = -interior_change - facet_change / 2;
-    return static_cast<double>(energy_change) / mean + kInterior * static_cast<double>(interior_change) -
-           kEuler * static_cast<double>(euler_change);
+    return {static_cast<double>(energy_change) / mean + kInterior * static_cast<double>(interior_change) -
+                kEuler * static_cast<double>(euler_change),
+            euler_change};
   }
 
   Labelling& labels_;
@@ -116,6 +123,7 @@ class Fuser {
   const Criterion& criterion_;
   bool one_component_;
   SurfaceSearch& search_;
+  Fused fused_;
   std::vector<CellIndex> region_;
   std::vector<VertexIndex> vertices_;
 };

@@ -1,6 +1,8 @@
 // Fusing: takes from another labelling the regions in which it is better.
 #pragma once
 
+#include <limits>
+
 #include "minimum_boundary/candidates.hpp"
 #include "minimum_boundary/connectivity.hpp"
 
@@ -9,6 +11,9 @@ namespace surfaced::boundary {
 struct Fused {
   std::size_t regions = 0;
   std::size_t taken = 0;
+  /// Least |score| of a region whose other labels would change χ by handles, not by components: how near the choice
+  /// between two topologies was. Infinite if there was none to make.
+  double margin = std::numeric_limits<double>::infinity();
 };
 
 /// The cells in which two manifold labellings differ fall into regions that share no vertex, so that any choice

@@ -61,6 +61,9 @@ struct MinimumBoundaryStatistics {
   std::string chosen_candidate;
   /// Regions taken from the other candidates.
   std::size_t fused_regions = 0;
+  /// variant=best: by how little, in mean λ, the closest choice between two topologies was made; none if no other
+  /// topology was seen.
+  std::optional<double> topology_margin;
   /// Handles removed by surgery.
   std::size_t removed_handles = 0;
   /// The paper's "int": points inside the surface.
@@ -71,8 +74,8 @@ struct MinimumBoundaryStatistics {
   std::size_t bridges = 0;
   /// Share of the area in triangles that span openings far wider than the points lie apart.
   double sheet_area_share = 0;
-  /// The paper's "curv" in percent; not for variant=fast, which has no time for it.
-  std::optional<double> curvature_reduction;
+  /// The paper's "curv" in percent.
+  double curvature_reduction = 0;
   /// Sum of the longest edges of all triangles, in the unit of the input.
   double sum_lambda = 0;
 };

@@ -49,13 +49,14 @@ Json statistics_json(const MinimumBoundaryStatistics& s) {
               {"flipped_edges", s.flipped_edges},
               {"candidates", candidates_json(s)},
               {"fused_regions", s.fused_regions},
+              {"topology_margin", s.topology_margin ? Json(*s.topology_margin) : Json(nullptr)},
               {"handles_removed", s.removed_handles},
               {"interior_vertices", s.interior_vertices},
               {"components", s.components},
               {"genus", s.genus},
               {"bridges", s.bridges},
               {"sheet_area_share", s.sheet_area_share},
-              {"curvature_reduction", s.curvature_reduction ? Json(*s.curvature_reduction) : Json(nullptr)},
+              {"curvature_reduction", s.curvature_reduction},
               {"sum_of_longest_edges", s.sum_lambda}};
 }
 

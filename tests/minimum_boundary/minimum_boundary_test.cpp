@@ -22,14 +22,33 @@ MinimumBoundaryResult reconstruct(const std::vector<Point3>& points, const Param
   return *minimum_boundary(*make_cloud(testing::raw_cloud(points)), parameters, context);
 }
 
-std::vector<Point3> random_torus(std::size_t n, std::uint32_t seed) {
+std::vector<Point3> random_torus(std::size_t n, std::uint32_t seed, double tube = 0.3) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
   std::vector<Point3> points;
   for (std::size_t i = 0; i < n; ++i) {
     const double u = angle(random);
     const double v = angle(random);
-    points.push_back({(1 + 0.3 * std::cos(v)) * std::cos(u), (1 + 0.3 * std::cos(v)) * std::sin(u), 0.3 * std::sin(v)});
+    points.push_back(
+        {(1 + tube * std::cos(v)) * std::cos(u), (1 + tube * std::cos(v)) * std::sin(u), tube * std::sin(v)});
+  }
+  return points;
+}
+
+/// A head on shoulders, without its flat bottom: random points of a surface of revolution, bumpy.
+std::vector<Point3> bust(std::size_t n, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Point3> points;
+  while (points.size() < n) {
+    const double z = 2.4 * unit(random);
+    const double radius = z < 0.7    ? 0.95 - 0.4 * z * z
+                          : z < 1.06 ? 0.754 - 1.1 * (z - 0.7)
+                                     : std::sqrt(std::max(0.0, 0.49 - (z - 1.7) * (z - 1.7) * 1.0));
+    if (unit(random) > radius) continue;
+    const double angle = 2 * std::numbers::pi * unit(random);
+    const double r = radius * (1 + 0.03 * std::sin(5 * angle) * std::sin(9 * z));
+    points.push_back({r * std::cos(angle), r * std::sin(angle), z});
   }
   return points;
 }
@@ -160,6 +179,94 @@ TEST(MinimumBoundary, knows_the_topology_of_the_shared_clouds_and_leaves_no_poin
     EXPECT_EQ(topology.components, 1U) << known.name;
     EXPECT_EQ(topology.genus, known.genus) << known.name;
     EXPECT_LE(result->statistics.interior_vertices, known.most_interior) << known.name;
+  }
+}
+
+TEST(MinimumBoundary, min_cut_closes_a_bust_without_bottom) {
+  for (const auto variant : {Parameters::Variant::best, Parameters::Variant::paper}) {
+    const auto result = reconstruct(bust(5000, 8), {.lids = Parameters::Lids::mincut, .variant = variant});
+    const Topology topology = topology_of(result.mesh);
+    EXPECT_TRUE(topology.closed && topology.vertex_manifold && topology.oriented);
+    EXPECT_EQ(topology.components, 1U);
+    EXPECT_LE(topology.genus, variant == Parameters::Variant::best ? 0 : 1);
+    EXPECT_LE(result.statistics.interior_vertices, 20U);
+    EXPECT_GT(result.statistics.lids, 0U);
+    EXPECT_GT(result.statistics.seed_factor, 0);
+    EXPECT_THAT(result.warnings, ::testing::Contains(::testing::StartsWith("closure_uncertain")));
+  }
+}
+
+TEST(MinimumBoundary, min_cut_is_the_same_for_any_order_of_the_points_and_any_number_of_threads) {
+  std::vector<Point3> points = bust(3000, 9);
+  const Parameters parameters{.lids = Parameters::Lids::mincut};
+  const auto expected = reconstruct(points, parameters);
+  std::mt19937 random(10);
+  std::ranges::shuffle(points, random);
+  EXPECT_EQ(reconstruct(points, parameters, 2).mesh.triangles, expected.mesh.triangles);
+}
+
+TEST(MinimumBoundary, warns_that_closing_is_a_guess_on_scans_with_large_openings_and_not_on_closed_clouds) {
+  struct Known {
+    std::string name;
+    bool open;
+  };
+  for (const Known& known :
+       {Known{"face", true}, Known{"range_lato000", true}, Known{"milk", true}, Known{"bunny", false},
+        Known{"fandisk", false}, Known{"fertility", false}, Known{"elephant", false}, Known{"octopus", false},
+        Known{"knight", false}, Known{"heart", false}, Known{"max_planck", false}, Known{"anchor", false},
+        Known{"chameleon", false}}) {
+    const std::string path = std::string(SURFACED_SHARED_DATA) + "/" + known.name + ".ply";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+    Context context(2);
+    const auto result =
+        minimum_boundary(*make_cloud(*read_cloud(path)), {.variant = Parameters::Variant::fast}, context);
+    ASSERT_TRUE(result) << known.name;
+    const auto warns = ::testing::Contains(::testing::StartsWith("closure_uncertain"));
+    if (known.open) {
+      EXPECT_THAT(result->warnings, warns) << known.name;
+    } else {
+      EXPECT_THAT(result->warnings, ::testing::Not(warns)) << known.name;
+    }
+  }
+}
+
+TEST(MinimumBoundary, min_cut_closes_open_scans) {
+  for (const std::string name : {"face", "range_lato000"}) {
+    const std::string path = std::string(SURFACED_SHARED_DATA) + "/" + name + ".ply";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+    const PointCloud cloud = *make_cloud(*read_cloud(path));
+    Context context(2);
+    const auto result = minimum_boundary(cloud, {.lids = Parameters::Lids::mincut}, context);
+    ASSERT_TRUE(result) << name;
+    const Topology topology = topology_of(result->mesh);
+    EXPECT_TRUE(topology.closed && topology.vertex_manifold && topology.oriented) << name;
+    EXPECT_LE(result->statistics.interior_vertices, cloud.size() / 100) << name;
+    EXPECT_THAT(result->warnings, ::testing::Contains(::testing::StartsWith("closure_uncertain"))) << name;
+  }
+}
+
+TEST(MinimumBoundary, says_topology_uncertain_exactly_where_another_genus_was_nearly_as_good) {
+  std::size_t fired = 0;
+  for (std::uint32_t seed = 0; seed < 30; ++seed) {
+    const auto result = reconstruct(random_torus(80, seed, 0.5));
+    const bool close = result.statistics.topology_margin.value_or(1e9) < 4;
+    const bool warned =
+        std::ranges::any_of(result.warnings, [](const std::string& w) { return w.starts_with("topology_uncertain"); });
+    EXPECT_EQ(warned, close);
+    fired += warned ? 1 : 0;
+  }
+  EXPECT_GT(fired, 2U);
+  for (const std::string& warning : reconstruct(random_torus(5000, 1)).warnings) {
+    EXPECT_FALSE(warning.starts_with("topology_uncertain")) << warning;
+  }
+}
+
+TEST(MinimumBoundary, reports_how_much_curvature_edge_flips_could_remove_for_every_variant) {
+  const auto points = random_torus(800, 11);
+  for (const auto variant : {Parameters::Variant::best, Parameters::Variant::fast, Parameters::Variant::paper}) {
+    const double reduction = reconstruct(points, {.variant = variant}).statistics.curvature_reduction;
+    EXPECT_GT(reduction, 0);
+    EXPECT_LT(reduction, 100);
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -10,6 +12,7 @@
 #include <set>
 
 #include "minimum_boundary/boundary_complex.hpp"
+#include "minimum_boundary/curvature.hpp"
 #include "minimum_boundary/descent.hpp"
 #include "minimum_boundary/hull.hpp"
 #include "minimum_boundary/inflating.hpp"
@@ -245,6 +248,57 @@ TEST(Hull, flood_stops_at_walls_and_nowhere_else) {
       }
     }
   }
+}
+
+/// K from the triangles alone.
+double bending_of(const TriangleMesh& mesh) {
+  std::map<std::pair<std::size_t, std::size_t>, Point3> normal_at;
+  for (const Triangle& t : mesh.triangles) {
+    const Point3 normal =
+        cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
+    for (std::size_t i = 0; i < 3; ++i) normal_at[{t[i], t[(i + 1) % 3]}] = normal;
+  }
+  double sum = 0;
+  for (const auto& [edge, m] : normal_at) {
+    if (edge.first > edge.second) continue;
+    const Point3 n = normal_at.at({edge.second, edge.first});
+    sum += std::atan2(norm(cross(m, n)), dot(m, n)) * norm(mesh.positions[edge.first] - mesh.positions[edge.second]);
+  }
+  return sum;
+}
+
+TEST(Curvature, reduction_is_what_flipping_every_cell_in_turn_gains_measured_on_the_triangles) {
+  std::size_t compared = 0;
+  for (const Fixture& f : fixtures(7000, 120)) {
+    if (f.complex.points() > 40 || f.complex.scale != 1) continue;
+    const Criterion criterion(f.complex);
+    Context context;
+    const auto boundary = boundary_complex(f.complex, criterion, true, context);
+    Labelling labels(f.complex);
+    ASSERT_TRUE(inflate(labels, boundary->facets, criterion, context, 1));
+    const double reduction = curvature_reduction(labels, 1);
+    EXPECT_EQ(reduction, curvature_reduction(labels, 3));
+    const double total = bending_of(surface_of(labels, f.cloud));
+    const auto improves = [&](Labelling& now, std::size_t c) {
+      if (f.complex.infinite(CellIndex(c)) || std::popcount(now.border(CellIndex(c))) != 2) return false;
+      if (!flip_is_legal(now, CellIndex(c))) return false;
+      const double before = bending_of(surface_of(now, f.cloud));
+      now.flip(CellIndex(c));
+      if (bending_of(surface_of(now, f.cloud)) < before - 1e-9 * total) return true;
+      now.flip(CellIndex(c));
+      return false;
+    };
+    std::vector<std::size_t> wanted;
+    for (std::size_t c = 0; c < f.complex.cells(); ++c) {
+      Labelling tried = labels;
+      if (improves(tried, c)) wanted.push_back(c);
+    }
+    Labelling flipped = labels;
+    for (const std::size_t c : wanted) improves(flipped, c);
+    EXPECT_NEAR(reduction, 100 * (1 - bending_of(surface_of(flipped, f.cloud)) / total), 1e-4);
+    ++compared;
+  }
+  EXPECT_GT(compared, 10U);
 }
 
 /// Shortest augmenting paths from the outside to the seeds, one unit of every cell a node: the cells that are out
