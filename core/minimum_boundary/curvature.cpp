@@ -98,7 +98,14 @@ class Bending {
     }
   }
 
-  static double angle(const Point3& m, const Point3& n) { return std::atan2(norm(cross(m, n)), dot(m, n)); }
+  /// In single precision, which is three times as fast and enough for a percentage.
+  static double angle(const Point3& m, const Point3& n) {
+    const double across = norm(cross(m, n));
+    const double along = dot(m, n);
+    const double size = across + std::abs(along);
+    if (size == 0) return 0;
+    return static_cast<double>(std::atan2(static_cast<float>(across / size), static_cast<float>(along / size)));
+  }
 
   double length(CellIndex c, std::size_t a, std::size_t b) const {
     return norm(complex_.positions[complex_.vertex(4 * c + a)] - complex_.positions[complex_.vertex(4 * c + b)]);

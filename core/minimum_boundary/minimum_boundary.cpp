@@ -277,7 +277,9 @@ class Run {
       result_.warnings.push_back("topology_uncertain: another genus would cost only " +
                                  std::to_string(*s.topology_margin).substr(0, 4) + " edge lengths more or less");
     }
-    s.curvature_reduction = curvature_reduction(labels, context_.threads());
+    if (parameters_.variant != Parameters::Variant::fast) {
+      s.curvature_reduction = curvature_reduction(labels, context_.threads());
+    }
   }
 
   const PointCloud& cloud_;

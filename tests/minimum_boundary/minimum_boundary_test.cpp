@@ -261,13 +261,15 @@ TEST(MinimumBoundary, says_topology_uncertain_exactly_where_another_genus_was_ne
   }
 }
 
-TEST(MinimumBoundary, reports_how_much_curvature_edge_flips_could_remove_for_every_variant) {
+TEST(MinimumBoundary, reports_how_much_curvature_edge_flips_could_remove_except_where_time_matters_most) {
   const auto points = random_torus(800, 11);
-  for (const auto variant : {Parameters::Variant::best, Parameters::Variant::fast, Parameters::Variant::paper}) {
-    const double reduction = reconstruct(points, {.variant = variant}).statistics.curvature_reduction;
-    EXPECT_GT(reduction, 0);
-    EXPECT_LT(reduction, 100);
+  for (const auto variant : {Parameters::Variant::best, Parameters::Variant::paper}) {
+    const auto reduction = reconstruct(points, {.variant = variant}).statistics.curvature_reduction;
+    ASSERT_TRUE(reduction);
+    EXPECT_GT(*reduction, 0);
+    EXPECT_LT(*reduction, 100);
   }
+  EXPECT_FALSE(reconstruct(points, {.variant = Parameters::Variant::fast}).statistics.curvature_reduction);
 }
 
 TEST(MinimumBoundary, stops_after_the_boundary_complex_on_request) {
