@@ -108,17 +108,19 @@ class EdgeWalk {
   SideIndex exit_;
 };
 
-/// Edges 0..E-1 in the order of their first (cell, edge) slot.
+/// The finite edges 0..E-1, ascending by (lesser, greater end).
 struct EdgeNumbering {
-  /// 6 per cell, in the order of kCellEdges.
-  std::vector<EdgeIndex> edge_of;
-  /// One slot 6c+k for every edge.
-  std::vector<std::uint32_t> slot_of;
-  std::size_t edges() const { return slot_of.size(); }
+  /// The edges whose lesser end is v are starts[v] .. starts[v+1]-1. V+1 entries.
+  std::vector<std::uint32_t> starts;
+  std::vector<VertexIndex> greater;
+  std::size_t edges() const { return greater.size(); }
+  /// The edge from a to b. Precondition: a < b, and there is such an edge.
+  /// @cost  in proportion to the edges at a where these are few, else to their logarithm.
+  EdgeIndex find(VertexIndex a, VertexIndex b) const;
 };
 
-/// @cost  one walk around every edge; 24 bytes per cell.
-EdgeNumbering number_edges(const DelaunayComplex& complex);
+/// @cost  O(cells); about 35 bytes per point on surfaces.
+EdgeNumbering number_edges(const DelaunayComplex& complex, unsigned threads);
 
 /// Cells as a triangulator gives them: any order, any order of the vertices. The vertex at infinity has
 /// index V. Invariants: neighbours[4c+i] is the cell beyond the facet opposite vertices[4c+i]; the vertices

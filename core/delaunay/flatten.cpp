@@ -175,29 +175,6 @@ Result<DelaunayComplex> triangulate_and_flatten(const PointCloud& cloud, Context
 
 }  // namespace
 
-EdgeNumbering number_edges(const DelaunayComplex& complex) {
-  EdgeNumbering numbering;
-  numbering.edge_of.resize(6 * complex.cells());
-  for (std::size_t slot = 0; slot < numbering.edge_of.size(); ++slot) {
-    if (numbering.edge_of[slot].valid()) continue;
-    const EdgeIndex edge(numbering.slot_of.size());
-    numbering.slot_of.push_back(static_cast<std::uint32_t>(slot));
-    const std::size_t cell = slot / 6;
-    const auto [a, b] = kCellEdges[slot % 6];
-    const VertexIndex va = complex.vertex(4 * cell + a);
-    const VertexIndex vb = complex.vertex(4 * cell + b);
-    for (EdgeWalk walk(complex, CellIndex(cell), a, b);; walk.advance()) {
-      const std::size_t base = 4 * walk.cell();
-      for (std::size_t k = 0; k < 6; ++k) {
-        if (complex.vertex(base + kCellEdges[k][0]) != va || complex.vertex(base + kCellEdges[k][1]) != vb) continue;
-        numbering.edge_of[6 * walk.cell() + k] = edge;
-      }
-      if (complex.neighbour(walk.exit()) == cell) break;
-    }
-  }
-  return numbering;
-}
-
 Result<DelaunayComplex> delaunay_complex(const PointCloud& cloud, Context& context, double until,
                                          Triangulator triangulate) {
   if (cloud.size() < kFewestPoints) {

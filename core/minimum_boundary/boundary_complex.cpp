@@ -10,91 +10,114 @@
 namespace surfaced::boundary {
 namespace {
 
-constexpr std::size_t kCancelStride = 1U << 16U;
+constexpr std::size_t kCancelStride = 1U << 8U;
 
-/// Edge of a cell that two of its sides share, by their slots.
-constexpr std::array<std::array<std::uint8_t, 4>, 4> kSharedEdge{
-    {{6, 5, 4, 3}, {5, 6, 2, 1}, {4, 2, 6, 0}, {3, 1, 0, 6}}};
-
-/// What Algorithm 1 knows about a cell, in one word: a walk around an edge touches many cells, and each
-/// touch of memory costs more than the bits.
-class CellWord {
+/// What Algorithm 1 knows about the sides of a cell.
+class CellByte {
  public:
-  /// Facets of the result at edge k, counted up to 2.
-  unsigned uses(std::size_t k) const { return bits_ >> (2 * k) & 3U; }
-  void count_use(std::size_t k) { bits_ += 1U << (2 * k); }
-  bool chosen(std::size_t i) const { return (bits_ >> (kChosen + i) & 1U) != 0; }
-  void choose(std::size_t i) { bits_ |= 1U << (kChosen + i); }
+  bool chosen(std::size_t i) const { return (bits_ >> i & 1U) != 0; }
+  void choose(std::size_t i) { bits_ |= static_cast<std::uint8_t>(1U << i); }
   /// Side i was looked at and not wanted.
   bool rejected(std::size_t i) const { return (bits_ >> (kRejected + i) & 1U) != 0; }
-  void reject(std::size_t i) { bits_ |= 1U << (kRejected + i); }
-  void forget(std::size_t i) { bits_ &= ~(1U << (kRejected + i)); }
+  void reject(std::size_t i) { bits_ |= static_cast<std::uint8_t>(1U << (kRejected + i)); }
+  void forget(std::size_t i) { bits_ &= static_cast<std::uint8_t>(~(1U << (kRejected + i))); }
+  std::uint8_t all_chosen() const { return bits_ & ((1U << kRejected) - 1); }
 
  private:
-  static constexpr unsigned kChosen = 12;
-  static constexpr unsigned kRejected = 16;
-  std::uint32_t bits_ = 0;
+  static constexpr unsigned kRejected = 4;
+  std::uint8_t bits_ = 0;
+};
+
+/// Facets of the result at an edge, counted up to 2, and whether a rejected facet waits there for the edge to
+/// become a boundary edge. Only then are the facets at the edge visited.
+class EdgeByte {
+ public:
+  unsigned uses() const { return bits_ & kUses; }
+  void count_use() { ++bits_; }
+  bool waited_for() const { return (bits_ & kWaitedFor) != 0; }
+  void wait() { bits_ |= kWaitedFor; }
+
+ private:
+  static constexpr unsigned kUses = 3;
+  static constexpr unsigned kWaitedFor = 4;
+  std::uint8_t bits_ = 0;
 };
 
 class Builder {
  public:
-  Builder(const DelaunayComplex& complex, const Criterion& criterion, bool connected)
+  Builder(const DelaunayComplex& complex, const Criterion& criterion, bool connected, unsigned threads)
       : complex_(complex),
         criterion_(criterion),
         connected_(connected),
-        words_(complex.cells()),
+        numbering_(number_edges(complex, threads)),
+        edges_(numbering_.edges()),
+        cells_(complex.cells()),
         trees_(complex.points()),
         tree_count_(complex.points()),
         used_(complex.points(), 0),
-        unused_(complex.points()),
-        again_(Later{&criterion}) {}
+        unused_(complex.points()) {}
 
   /// The paper's loop; false if cancelled.
   bool run(FacetQueue& queue, Context& context) {
-    // Facets that come back were rejected before: their λ is below that of all that are still to come.
-    for (std::size_t popped = 0; !spanning();) {
-      SideIndex side;
-      if (again_.empty()) {
-        if (popped++ % kCancelStride == 0 && context.cancelled()) return false;
-        side = queue.pop();
-        prefetch(queue);
-      } else {
-        side = again_.top().side;
-        again_.pop();
-      }
-      if (wanted(side)) {
-        accept(side);
-      } else {
-        words_[side / 4].reject(side % 4);
-        const SideIndex mate = complex_.mate(side);
-        words_[mate / 4].reject(mate % 4);
+    for (std::size_t blocks = 0; !spanning(); ++blocks) {
+      if (blocks % kCancelStride == 0 && context.cancelled()) return false;
+      list(queue.next_block());
+      for (const Listed& facet : block_) {
+        take(facet);
+        // Facets that come back were rejected before: their λ is below that of all that are still to come.
+        while (!again_.empty() && !spanning()) take(pop_again());
+        if (spanning()) break;
       }
     }
     close();
     return true;
   }
 
-  BoundaryComplex take() {
-    BoundaryComplex result{FacetSet(complex_), size_, reinserted_};
-    for (std::size_t c = 0; c < words_.size(); ++c) {
-      for (std::size_t i = 0; i < 4; ++i) {
-        if (words_[c].chosen(i)) result.facets.insert(complex_, SideIndex(4 * c + i));
-      }
-    }
-    return result;
+  BoundaryComplex result() const {
+    std::vector<std::uint8_t> sides(cells_.size());
+    for (std::size_t c = 0; c < sides.size(); ++c) sides[c] = cells_[c].all_chosen();
+    return {FacetSet(std::move(sides)), size_, reinserted_};
   }
 
  private:
+  using Vertices = std::array<VertexIndex, 3>;
+  struct Listed {
+    SideIndex side;
+    Vertices vertices;
+    /// Edge j lacks vertex j.
+    std::array<EdgeIndex, 3> edges;
+  };
   struct Returning {
     double squared;
+    Vertices vertices;
     SideIndex side;
-  };
-  struct Later {
-    const Criterion* criterion;
-    bool operator()(const Returning& a, const Returning& b) const {
-      return criterion->less(b.side, b.squared, a.side, a.squared);
+    friend bool operator<(const Returning& a, const Returning& b) {
+      return a.squared != b.squared ? a.squared > b.squared : b.vertices < a.vertices;
     }
   };
+
+  Listed listed(SideIndex side, const Vertices& v) const {
+    return {side, v, {numbering_.find(v[1], v[2]), numbering_.find(v[0], v[2]), numbering_.find(v[0], v[1])}};
+  }
+
+  void list(std::span<const ListedFacet> facets) {
+    block_.resize(facets.size());
+    for (std::size_t k = 0; k < facets.size(); ++k) block_[k] = listed(facets[k].side, facets[k].vertices);
+  }
+
+  Listed pop_again() {
+    const Returning top = again_.top();
+    again_.pop();
+    return listed(top.side, top.vertices);
+  }
+
+  void take(const Listed& facet) {
+    if (wanted(facet)) {
+      accept(facet);
+    } else {
+      reject(facet);
+    }
+  }
 
   /// Every vertex is used and (connected) all in one component.
   bool spanning() const { return connected_ ? tree_count_ == 1 : unused_ == 0; }
@@ -103,102 +126,110 @@ class Builder {
   /// boundary edges, which is what the whole queue would give, without looking at all the others.
   void close() {
     closing_ = true;
-    for (std::size_t c = 0; c < complex_.cells(); ++c) {
-      for (std::size_t k = 0; k < 6; ++k) {
-        if (words_[c].uses(k) != 1) continue;
-        // The cell's sides at the edge are those opposite the two other vertices.
-        const auto [a, b] = kCellEdges[5 - k];
-        consider_again(SideIndex(4 * c + a));
-        consider_again(SideIndex(4 * c + b));
-      }
+    for (std::size_t v = 0; v < complex_.points(); ++v) {
+      const auto first = edges_.begin() + numbering_.starts[v];
+      const auto last = edges_.begin() + numbering_.starts[v + 1];
+      if (std::none_of(first, last, [](EdgeByte e) { return e.uses() == 1; })) continue;
+      for (const SideIndex corner : complex_.star(VertexIndex(v))) consider_edges_at(corner);
     }
     while (boundary_edges_ > 0) {
-      const SideIndex side = again_.top().side;
-      again_.pop();
-      if (!words_[side / 4].chosen(side % 4) && wanted(side)) accept(side);
+      const Listed facet = pop_again();
+      if (!cells_[facet.side / 4].chosen(facet.side % 4) && wanted(facet)) accept(facet);
     }
   }
 
-  /// The order by length jumps about in memory: asks for what the coming facets will need.
-  void prefetch(const FacetQueue& queue) const {
-    constexpr std::size_t kFar = 16;
-    constexpr std::size_t kNear = 8;
-    const std::size_t far = queue.peek(kFar) / 4;
-    __builtin_prefetch(&complex_.table[far]);
-    __builtin_prefetch(&words_[far]);
-    const SideIndex near = queue.peek(kNear);
-    const std::size_t beyond = complex_.mate(near) / 4;
-    __builtin_prefetch(&words_[beyond]);
-    __builtin_prefetch(&complex_.table[beyond]);
-    for (const VertexIndex v : complex_.facet(near)) trees_.prefetch(v);
+  /// Queues the sides of the corner's cell at its boundary edges to greater vertices.
+  void consider_edges_at(SideIndex corner) {
+    const std::size_t base = corner / 4 * 4;
+    const VertexIndex v = complex_.vertex(corner);
+    for (std::size_t s = corner + 1; s < base + 4 && complex_.vertex(s) < complex_.points(); ++s) {
+      if (edges_[numbering_.find(v, complex_.vertex(s))].uses() != 1) continue;
+      for (std::size_t side = base; side < base + 4; ++side) {
+        if (side != corner && side != s) consider_again(SideIndex(side));
+      }
+    }
   }
 
   /// The three conditions of Algorithm 1.
-  bool wanted(SideIndex side) {
-    for (std::size_t j = 0; j < 4; ++j) {
-      if (j != side % 4 && words_[side / 4].uses(kSharedEdge[side % 4][j]) == 1) return true;
+  bool wanted(const Listed& facet) {
+    for (const EdgeIndex e : facet.edges) {
+      if (edges_[e].uses() == 1) return true;
     }
-    const auto [a, b, c] = complex_.facet(side);
+    const auto [a, b, c] = facet.vertices;
     if (!connected_) return used_[a] == 0 || used_[b] == 0 || used_[c] == 0;
     const std::uint32_t root = trees_.find(a);
     return trees_.find(b) != root || trees_.find(c) != root;
   }
 
-  void accept(SideIndex side) {
-    words_[side / 4].choose(side % 4);
-    const SideIndex mate = complex_.mate(side);
-    words_[mate / 4].choose(mate % 4);
+  void reject(const Listed& facet) {
+    cells_[facet.side / 4].reject(facet.side % 4);
+    const SideIndex mate = complex_.mate(facet.side);
+    cells_[mate / 4].reject(mate % 4);
+    for (const EdgeIndex e : facet.edges) edges_[e].wait();
+  }
+
+  void accept(const Listed& facet) {
+    cells_[facet.side / 4].choose(facet.side % 4);
+    const SideIndex mate = complex_.mate(facet.side);
+    cells_[mate / 4].choose(mate % 4);
     ++size_;
-    const auto facet = complex_.facet(side);
-    for (const VertexIndex v : facet) {
+    for (const VertexIndex v : facet.vertices) {
       if (connected_) {
-        if (trees_.unite(facet[0], v)) --tree_count_;
+        if (trees_.unite(facet.vertices[0], v)) --tree_count_;
       } else if (used_[v] == 0) {
         used_[v] = 1;
         --unused_;
       }
     }
-    for (std::size_t j = 0; j < 4; ++j) {
-      if (j != side % 4) count_use(side, SideIndex(side / 4 * 4 + j));
-    }
+    for (std::size_t j = 0; j < 3; ++j) count_use(facet, j);
   }
 
-  /// One more facet at the edge that two sides of a cell share.
-  void count_use(SideIndex side, SideIndex exit) {
-    const unsigned before = words_[side / 4].uses(kSharedEdge[side % 4][exit % 4]);
+  /// One more facet at the edge that lacks the facet's vertex j.
+  void count_use(const Listed& facet, std::size_t j) {
+    EdgeByte& edge = edges_[facet.edges[j]];
+    const unsigned before = edge.uses();
     if (before >= 2) return;
+    edge.count_use();
     boundary_edges_ += before == 0 ? 1 : -1;
-    SideIndex entry = side;
-    do {
-      words_[exit / 4].count_use(kSharedEdge[entry % 4][exit % 4]);
-      if (before == 0) consider_again(exit);
-      // The next cell's way out is opposite the vertex that this cell's way in was opposite to.
-      const VertexIndex behind = complex_.vertex(entry);
-      entry = complex_.mate(exit);
+    if (before == 0 && (closing_ || edge.waited_for())) visit_facets_around(facet.side, facet.vertices[j]);
+  }
+
+  /// Turns from the side about its edge that lacks the vertex, through all cells there.
+  void visit_facets_around(SideIndex side, VertexIndex behind) {
+    for (SideIndex entry = side;;) {
       std::size_t s = entry / 4 * 4;
       while (complex_.vertex(s) != behind) ++s;
-      exit = SideIndex(s);
-    } while (entry != side);
+      consider_again(SideIndex(s));
+      // The next cell's way out is opposite the vertex that this cell's way in was opposite to.
+      behind = complex_.vertex(entry);
+      entry = complex_.mate(s);
+      if (entry == side) return;
+    }
   }
 
   /// Queues a facet that got a boundary edge after it had been passed over.
   void consider_again(SideIndex side) {
-    CellWord& word = words_[side / 4];
-    const bool rejected = word.rejected(side % 4);
-    if (!(rejected || closing_) || word.chosen(side % 4) || complex_.facet(side)[2] == complex_.points()) return;
+    CellByte& cell = cells_[side / 4];
+    const bool rejected = cell.rejected(side % 4);
+    if (!(rejected || closing_) || cell.chosen(side % 4)) return;
+    const Vertices vertices = complex_.facet(side);
+    if (vertices[2] == complex_.points()) return;
     if (rejected) {
       const SideIndex mate = complex_.mate(side);
-      word.forget(side % 4);
-      words_[mate / 4].forget(mate % 4);
+      cell.forget(side % 4);
+      cells_[mate / 4].forget(mate % 4);
       ++reinserted_;
     }
-    again_.push({criterion_.squared(side), side});
+    again_.push({criterion_.squared(vertices), vertices, side});
   }
 
   const DelaunayComplex& complex_;
   const Criterion& criterion_;
   bool connected_;
-  std::vector<CellWord> words_;
+  EdgeNumbering numbering_;
+  std::vector<EdgeByte> edges_;
+  std::vector<CellByte> cells_;
+  std::vector<Listed> block_;
   std::size_t size_ = 0;
   std::size_t reinserted_ = 0;
   UnionFind trees_;
@@ -207,7 +238,7 @@ class Builder {
   std::size_t unused_;
   std::ptrdiff_t boundary_edges_ = 0;
   bool closing_ = false;
-  std::priority_queue<Returning, std::vector<Returning>, Later> again_;
+  std::priority_queue<Returning> again_;
 };
 
 }  // namespace
@@ -215,11 +246,11 @@ class Builder {
 Result<BoundaryComplex> boundary_complex(const DelaunayComplex& complex, const Criterion& criterion, bool connected,
                                          Context& context) {
   FacetQueue queue(complex, criterion, context.threads());
-  Builder builder(complex, criterion, connected);
+  Builder builder(complex, criterion, connected, context.threads());
   if (context.cancelled() || !builder.run(queue, context)) {
     return Error{ErrorCode::cancelled, "cancelled while building the boundary complex"};
   }
-  return builder.take();
+  return builder.result();
 }
 
 }  // namespace surfaced::boundary

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -17,8 +18,9 @@ class Criterion {
       : complex_(complex), per_unit_(std::ldexp(1.0, kFractionBits) / diagonal(complex)) {}
 
   /// λ² in the scaled unit. The operands of every difference stand in the order of the vertices.
-  double squared(SideIndex s) const {
-    const auto [a, b, c] = complex_.facet(s);
+  double squared(SideIndex s) const { return squared(complex_.facet(s)); }
+  double squared(const std::array<VertexIndex, 3>& facet) const {
+    const auto [a, b, c] = facet;
     return std::max({edge_squared(a, b), edge_squared(a, c), edge_squared(b, c)});
   }
   double edge_squared(VertexIndex a, VertexIndex b) const {

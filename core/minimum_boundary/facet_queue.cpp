@@ -1,7 +1,6 @@
 #include "minimum_boundary/facet_queue.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 #include "base/parallel.hpp"
@@ -15,31 +14,64 @@ constexpr std::size_t kBuckets = std::size_t{1} << (32 - kBucketShift);
 /// The rest is sorted in two passes.
 constexpr unsigned kDigitBits = 10;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
+/// Facets looked up at once; a block may grow by facets of the same key.
+constexpr std::size_t kBlock = 256;
 
 }  // namespace
 
 FacetQueue::FacetQueue(const DelaunayComplex& complex, const Criterion& criterion, unsigned threads)
     : complex_(complex), criterion_(criterion), ends_(kBuckets, 0) {
-  std::vector<Keyed> keyed;
-  keyed.reserve(2 * complex.cells());
-  for (std::size_t c = 0; c < complex.cells(); ++c) {
-    const unsigned first = complex.infinite(CellIndex(c)) ? 3 : 0;
-    for (std::size_t s = 4 * c + first; s < 4 * c + 4; ++s) {
-      if (s < complex.mate(s)) keyed.push_back({0, SideIndex(s)});
-    }
-  }
-  // Rounding to float is monotone, and the bits of non-negative floats ascend with their values.
-  parallel_ranges(threads, keyed.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      keyed[k].key = std::bit_cast<std::uint32_t>(static_cast<float>(criterion.squared(keyed[k].side)));
+  struct Part {
+    std::vector<Keyed> keyed;
+    std::vector<std::size_t> starts = std::vector<std::size_t>(kBuckets, 0);
+  };
+  std::vector<Part> parts(threads);
+  parallel_tasks(threads, threads, [&](std::size_t p) {
+    Part& part = parts[p];
+    const std::size_t begin = complex.cells() * p / threads;
+    const std::size_t end = complex.cells() * (p + 1) / threads;
+    part.keyed.reserve(2 * (end - begin) + 2 * (end - begin) / 16);
+    for (std::size_t c = begin; c < end; ++c) {
+      const unsigned first = complex.infinite(CellIndex(c)) ? 3 : 0;
+      for (std::size_t s = 4 * c + first; s < 4 * c + 4; ++s) {
+        if (s > complex.mate(s)) continue;
+        // Rounding to float is monotone, and the bits of non-negative floats ascend with their values.
+        const auto key = std::bit_cast<std::uint32_t>(static_cast<float>(criterion.squared(SideIndex(s))));
+        part.keyed.push_back({key, SideIndex(s)});
+        ++part.starts[key >> kBucketShift];
+      }
     }
   });
-  std::vector<std::size_t> starts(kBuckets + 1, 0);
-  for (const Keyed& k : keyed) ++starts[(k.key >> kBucketShift) + 1];
-  for (std::size_t b = 0; b < kBuckets; ++b) starts[b + 1] += starts[b];
-  facets_.resize(keyed.size());
-  for (const Keyed& k : keyed) facets_[starts[k.key >> kBucketShift]++] = k;
-  std::copy(starts.begin(), starts.end() - 1, ends_.begin());
+  std::size_t count = 0;
+  for (std::size_t b = 0; b < kBuckets; ++b) {
+    for (Part& part : parts) {
+      const std::size_t size = part.starts[b];
+      part.starts[b] = count;
+      count += size;
+    }
+    ends_[b] = count;
+  }
+  facets_.resize(count);
+  parallel_tasks(threads, threads, [&](std::size_t p) {
+    for (const Keyed& k : parts[p].keyed) facets_[parts[p].starts[k.key >> kBucketShift]++] = k;
+    parts[p].keyed = {};
+  });
+}
+
+std::span<const ListedFacet> FacetQueue::next_block() {
+  if (next_ == sorted_) sort_next_bucket();
+  std::size_t end = std::min(next_ + kBlock, sorted_);
+  while (end < sorted_ && facets_[end].key == facets_[end - 1].key) ++end;
+  block_.resize(end - next_);
+  for (std::size_t k = next_; k < end; ++k) {
+    block_[k - next_] = {facets_[k].side, complex_.facet(facets_[k].side)};
+  }
+  for (std::size_t i = next_, j = next_; i < end; i = j) {
+    for (j = i + 1; j < end && facets_[j].key == facets_[i].key;) ++j;
+    if (j - i > 1) sort_ties(std::span(block_).subspan(i - next_, j - i));
+  }
+  next_ = end;
+  return block_;
 }
 
 void FacetQueue::sort_next_bucket() {
@@ -55,29 +87,17 @@ void FacetQueue::sort_next_bucket() {
   };
   pass(facets_.data() + begin, facets_.data() + end, other_.data(), 0);
   pass(other_.data(), other_.data() + other_.size(), facets_.data() + begin, kDigitBits);
-  for (std::size_t i = begin, j = begin; i < end; i = j) {
-    for (j = i + 1; j < end && facets_[j].key == facets_[i].key;) ++j;
-    if (j - i > 1) sort_ties(i, j);
-  }
   sorted_ = end;
 }
 
-/// Facets whose rounded λ² is the same: exactly, then by their vertices.
-void FacetQueue::sort_ties(std::size_t begin, std::size_t end) {
-  struct Exact {
-    double squared;
-    std::array<VertexIndex, 3> facet;
-    SideIndex side;
+/// Facets whose rounded λ² is the same: exactly, then by their vertices. Most ties are the facets at one edge.
+void FacetQueue::sort_ties(std::span<ListedFacet> facets) const {
+  const auto before = [&](const ListedFacet& a, const ListedFacet& b) {
+    const double of_a = criterion_.squared(a.vertices);
+    const double of_b = criterion_.squared(b.vertices);
+    return of_a != of_b ? of_a < of_b : a.vertices < b.vertices;
   };
-  static thread_local std::vector<Exact> exact;
-  exact.clear();
-  for (std::size_t k = begin; k < end; ++k) {
-    exact.push_back({criterion_.squared(facets_[k].side), complex_.facet(facets_[k].side), facets_[k].side});
-  }
-  std::ranges::sort(exact, [](const Exact& a, const Exact& b) {
-    return a.squared != b.squared ? a.squared < b.squared : a.facet < b.facet;
-  });
-  for (std::size_t k = begin; k < end; ++k) facets_[k].side = exact[k - begin].side;
+  std::sort(facets.begin(), facets.end(), before);
 }
 
 }  // namespace surfaced::boundary

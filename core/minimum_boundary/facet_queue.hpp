@@ -1,13 +1,21 @@
 // The facets in the order of the paper, sorted only as far as they are asked for.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "delaunay/delaunay.hpp"
 #include "minimum_boundary/criterion.hpp"
 
 namespace surfaced::boundary {
+
+/// A facet by one of its sides, with its vertices, ascending.
+struct ListedFacet {
+  SideIndex side;
+  std::array<VertexIndex, 3> vertices;
+};
 
 /// Every finite facet once, by ascending λ, ties lexicographically. The facets are dealt into buckets by
 /// rounded λ²; a bucket is sorted when the first facet of it is asked for. Algorithm 1 ends long before the
@@ -16,13 +24,10 @@ class FacetQueue {
  public:
   FacetQueue(const DelaunayComplex& complex, const Criterion& criterion, unsigned threads);
 
-  /// The next facet. Precondition: there is one.
-  SideIndex pop() {
-    if (next_ == sorted_) sort_next_bucket();
-    return facets_[next_++].side;
-  }
-  /// The facet `ahead` places after the next one if it is already known, else any: for prefetching.
-  SideIndex peek(std::size_t ahead) const { return facets_[std::min(next_ + ahead, facets_.size() - 1)].side; }
+  /// The next facets, at least one; valid until the next call. Whole blocks, because the order by length jumps
+  /// about in memory: looking up many facets in one loop hides the waits behind each other.
+  /// Precondition: not all facets have been given out.
+  std::span<const ListedFacet> next_block();
 
  private:
   struct Keyed {
@@ -30,7 +35,7 @@ class FacetQueue {
     SideIndex side;
   };
   void sort_next_bucket();
-  void sort_ties(std::size_t begin, std::size_t end);
+  void sort_ties(std::span<ListedFacet> facets) const;
 
   const DelaunayComplex& complex_;
   const Criterion& criterion_;
@@ -41,6 +46,7 @@ class FacetQueue {
   std::size_t bucket_ = 0;
   std::size_t sorted_ = 0;
   std::size_t next_ = 0;
+  std::vector<ListedFacet> block_;
 };
 
 }  // namespace surfaced::boundary

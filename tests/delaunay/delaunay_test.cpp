@@ -119,25 +119,34 @@ TEST(Delaunay, stars_list_every_corner_once) {
 TEST(Delaunay, has_the_euler_characteristic_of_the_3_sphere) {
   for (const auto& points : clouds()) {
     const DelaunayComplex complex = complex_of(cloud_of(points));
-    const auto edges = static_cast<std::ptrdiff_t>(number_edges(complex).edges());
-    const auto cells = static_cast<std::ptrdiff_t>(complex.cells());
-    EXPECT_EQ(static_cast<std::ptrdiff_t>(complex.points()) + 1 - edges + 2 * cells - cells, 0);
+    std::set<VertexIndex> hull;
+    for (std::size_t c = 0; c < complex.cells(); ++c) {
+      if (!complex.infinite(CellIndex(c))) continue;
+      for (std::size_t i = 0; i < 3; ++i) hull.insert(complex.vertex(4 * c + i));
+    }
+    const std::size_t edges = number_edges(complex, 1).edges() + hull.size();
+    EXPECT_EQ(edges, complex.points() + 1 + complex.cells());
   }
 }
 
-TEST(Delaunay, edge_numbers_tell_edges_apart_by_their_vertices) {
-  const DelaunayComplex complex = complex_of(cloud_of(testing::random_points(200, 4)));
-  const EdgeNumbering numbering = number_edges(complex);
-  std::set<std::pair<VertexIndex, VertexIndex>> seen;
-  std::vector<std::pair<VertexIndex, VertexIndex>> ends(numbering.edges());
-  for (std::size_t slot = 0; slot < numbering.edge_of.size(); ++slot) {
-    const auto [a, b] = kCellEdges[slot % 6];
-    const std::pair edge{complex.vertex(4 * (slot / 6) + a), complex.vertex(4 * (slot / 6) + b)};
-    if (numbering.slot_of[numbering.edge_of[slot]] == slot) {
-      ends[numbering.edge_of[slot]] = edge;
-      EXPECT_TRUE(seen.insert(edge).second);
+TEST(Delaunay, numbers_every_edge_once_by_its_ends_for_any_number_of_threads) {
+  for (const auto& points : clouds()) {
+    const DelaunayComplex complex = complex_of(cloud_of(points));
+    std::set<std::pair<VertexIndex, VertexIndex>> edges;
+    for (std::size_t c = 0; c < complex.cells(); ++c) {
+      for (const auto& [a, b] : kCellEdges) {
+        if (complex.vertex(4 * c + b) < complex.points()) {
+          edges.insert({complex.vertex(4 * c + a), complex.vertex(4 * c + b)});
+        }
+      }
     }
-    EXPECT_EQ(ends[numbering.edge_of[slot]], edge);
+    const EdgeNumbering numbering = number_edges(complex, 1);
+    ASSERT_EQ(numbering.edges(), edges.size());
+    std::size_t next = 0;
+    for (const auto& [a, b] : edges) EXPECT_EQ(numbering.find(a, b), next++);
+    const EdgeNumbering with_three = number_edges(complex, 3);
+    EXPECT_EQ(with_three.starts, numbering.starts);
+    EXPECT_EQ(with_three.greater, numbering.greater);
   }
 }
 
