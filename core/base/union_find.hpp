@@ -31,6 +31,8 @@ class UnionFind {
 
   /// Asks for the memory of x ahead of a call of find.
   void prefetch(std::size_t x) const { __builtin_prefetch(&parent_[x]); }
+  /// A member of the same set, nearer to its root; the root of a root.
+  std::uint32_t next(std::size_t x) const { return parent_[x]; }
 
   std::size_t size() const { return parent_.size(); }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <queue>
 
+#include "base/parallel.hpp"
 #include "base/union_find.hpp"
 #include "minimum_boundary/facet_queue.hpp"
 
@@ -244,12 +245,19 @@ class Builder {
 }  // namespace
 
 Result<BoundaryComplex> boundary_complex(const DelaunayComplex& complex, const Criterion& criterion, bool connected,
-                                         Context& context) {
-  FacetQueue queue(complex, criterion, context.threads());
-  Builder builder(complex, criterion, connected, context.threads());
-  if (context.cancelled() || !builder.run(queue, context)) {
-    return Error{ErrorCode::cancelled, "cancelled while building the boundary complex"};
-  }
+                                         Context& context, const std::function<void(unsigned threads)>& meanwhile) {
+  const unsigned threads = context.threads();
+  FacetQueue queue(complex, criterion, threads);
+  Builder builder(complex, criterion, connected, threads);
+  bool finished = false;
+  parallel_tasks(threads, meanwhile ? 2 : 1, [&](std::size_t task) {
+    if (task == 0) {
+      finished = builder.run(queue, context);
+    } else {
+      meanwhile(std::max(threads, 2U) - 1);
+    }
+  });
+  if (!finished) return Error{ErrorCode::cancelled, "cancelled while building the boundary complex"};
   return builder.result();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -47,9 +48,11 @@ struct BoundaryComplex {
 /// Algorithm 1: facets in ascending λ, each taken if it has a vertex not yet used, or a boundary edge, or
 /// (connected) joins two connected components. No edge of the result has exactly one facet; every vertex
 /// has one.
+/// @param meanwhile  work that does not depend on the result, for the threads that Algorithm 1 has no use for; it is
+///                   told how many. It is done when the call returns.
 /// @return  cancelled.
 /// @cost    O(V) facets, sorted by radix; about 0.25 kB per point while it runs.
 Result<BoundaryComplex> boundary_complex(const DelaunayComplex& complex, const Criterion& criterion, bool connected,
-                                         Context& context);
+                                         Context& context, const std::function<void(unsigned threads)>& meanwhile = {});
 
 }  // namespace surfaced::boundary

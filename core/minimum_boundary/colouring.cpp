@@ -75,7 +75,7 @@ class Colouring {
 
 std::vector<std::uint8_t> parity_colouring(const DelaunayComplex& complex, const RatedFacets& rated,
                                            const Clusters& clusters, float least_vote) {
-  return Colouring(complex, rated, clusters).run(RatedFacets::step_of(least_vote));
+  return Colouring(complex, rated, clusters).run(FacetRatings::step_of(least_vote));
 }
 
 }  // namespace surfaced::boundary

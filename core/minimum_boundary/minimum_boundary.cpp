@@ -67,7 +67,11 @@ class Run {
 
     if (Status begun = begin("boundary-complex", 0.65); !begun) return std::move(begun).error();
     const bool connected = parameters_.components == Parameters::Components::one;
-    Result<BoundaryComplex> boundary = boundary_complex(*complex, criterion, connected, context_);
+    FacetRatings ratings;
+    const auto rate = [&](unsigned threads) { ratings = rate_facets(*complex, threads); };
+    Result<BoundaryComplex> boundary = wants_watershed()
+                                           ? boundary_complex(*complex, criterion, connected, context_, rate)
+                                           : boundary_complex(*complex, criterion, connected, context_);
     if (!boundary) return std::move(boundary).error();
     result_.statistics.boundary_complex_facets = boundary->size;
     result_.statistics.reinserted_facets = boundary->reinserted;
@@ -76,7 +80,7 @@ class Run {
       return std::move(result_);
     }
 
-    Result<Labelling> labels = make_surface(*complex, *boundary, criterion);
+    Result<Labelling> labels = make_surface(*complex, *boundary, criterion, std::move(ratings));
     if (!labels) return std::move(labels).error();
     if (connected) {
       if (Status joined = join(*labels, *boundary, criterion); !joined) return std::move(joined).error();
@@ -95,8 +99,13 @@ class Run {
     return Done{};
   }
 
+  bool wants_watershed() const {
+    return parameters_.lids == Parameters::Lids::watershed && parameters_.variant != Parameters::Variant::paper &&
+           parameters_.stop_after != Parameters::StopAfter::boundary_complex;
+  }
+
   Result<Labelling> make_surface(const DelaunayComplex& complex, const BoundaryComplex& boundary,
-                                 const Criterion& criterion) {
+                                 const Criterion& criterion, FacetRatings ratings) {
     if (parameters_.variant == Parameters::Variant::paper) return papers_way(complex, boundary, criterion);
     if (parameters_.lids != Parameters::Lids::watershed) {
       Result<Covered> covered = cover(complex, boundary, criterion, Labelling(complex), parameters_.lids);
@@ -104,7 +113,7 @@ class Run {
       return finish(complex, cells_behind(complex, covered->facets), boundary, criterion);
     }
     if (Status begun = begin("watershed", 0.7); !begun) return std::move(begun).error();
-    const RatedFacets rated = rate_facets(complex, boundary.facets, context_.threads());
+    const RatedFacets rated = with_evidence(complex, std::move(ratings), boundary.facets, context_.threads());
     const bool fast =
         parameters_.variant == Parameters::Variant::fast || parameters_.stop_after == Parameters::StopAfter::inflated;
     if (fast) {

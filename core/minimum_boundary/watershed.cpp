@@ -23,47 +23,25 @@ constexpr std::size_t kFar = 16;
 constexpr std::size_t kNear = 8;
 constexpr std::size_t kSteps = 1U << 16U;
 
-/// Facets outside BC_0 at or above the lowest level, descending by ratio, ties by side.
-struct DescendingFacets {
-  std::vector<SideIndex> sides;
-  /// Number of facets at or above each level.
-  std::vector<std::size_t> ends;
-};
-
-DescendingFacets descending(const DelaunayComplex& complex, const FacetSet& boundary, const RatedFacets& rated,
-                            std::span<const float> levels) {
-  const std::uint32_t lowest = RatedFacets::step_of(levels.back());
-  const auto listed = [&](std::size_t s) {
-    return rated.steps[s] >= lowest && s < complex.mate(s) && !boundary.contains(SideIndex(s));
-  };
+/// Counting sort of the facets at or above the thorough level.
+std::vector<FacetRatings::Passage> descending(const DelaunayComplex& complex, const std::vector<std::uint16_t>& steps) {
+  const std::uint32_t lowest = FacetRatings::step_of(kThoroughLevel);
   std::vector<std::size_t> starts(kSteps + 1, 0);
-  for (std::size_t s = 0; s < rated.steps.size(); ++s) {
-    if (listed(s)) ++starts[kSteps - rated.steps[s]];
+  for (const std::uint16_t step : steps) ++starts[kSteps - step];
+  for (std::size_t b = 0; b + lowest < kSteps; ++b) starts[b + 1] += starts[b];
+  std::vector<FacetRatings::Passage> passages(starts[kSteps - lowest]);
+  for (std::size_t s = 0; s < steps.size(); ++s) {
+    if (steps[s] < lowest) continue;
+    passages[starts[kSteps - 1 - steps[s]]++] = {SideIndex(s), complex.neighbour(SideIndex(s))};
   }
-  for (std::size_t b = 0; b < kSteps; ++b) starts[b + 1] += starts[b];
-  DescendingFacets facets;
-  facets.sides.resize(starts[kSteps]);
-  for (const float level : levels) facets.ends.push_back(starts[kSteps - RatedFacets::step_of(level)]);
-  for (std::size_t s = 0; s < rated.steps.size(); ++s) {
-    if (listed(s)) facets.sides[starts[kSteps - 1 - rated.steps[s]]++] = SideIndex(s);
-  }
-  return facets;
+  return passages;
 }
 
 class Merger {
  public:
   Merger(const DelaunayComplex& complex, const std::vector<std::uint8_t>& evidence)
-      : complex_(complex),
-        evidence_(evidence),
-        sets_(complex.cells()),
-        next_(complex.cells(), kNone),
-        last_(complex.cells(), kNone),
-        items_(complex.cells(), 0),
-        partners_of_(complex.cells(), kNone) {
-    for (std::size_t c = 0; c < complex.cells(); ++c) {
-      items_[c] = static_cast<std::uint32_t>(std::popcount(evidence[c]));
-      if (items_[c] > 0) last_[c] = static_cast<std::uint32_t>(c);
-    }
+      : sets_(complex.cells()), clusters_(complex.cells()) {
+    collect_items(complex, evidence);
     std::uint32_t outside = kNone;
     for (std::size_t c = 0; c < complex.cells(); ++c) {
       if (!complex.infinite(CellIndex(c))) continue;
@@ -73,15 +51,18 @@ class Merger {
     outside_ = outside;
   }
 
-  void prefetch(SideIndex far, SideIndex near) const {
-    __builtin_prefetch(&complex_.table[far / 4]);
-    sets_.prefetch(far / 4);
-    sets_.prefetch(complex_.mate(near) / 4);
+  void prefetch(const FacetRatings::Passage& far, const FacetRatings::Passage& near) const {
+    sets_.prefetch(far.side / 4);
+    sets_.prefetch(far.beyond);
+    for (const std::uint32_t next : {sets_.next(near.side / 4), sets_.next(near.beyond)}) {
+      sets_.prefetch(next);
+      __builtin_prefetch(&clusters_[next]);
+    }
   }
 
-  void take(SideIndex side) {
-    const std::uint32_t a = sets_.find(side / 4);
-    const std::uint32_t b = sets_.find(complex_.mate(side) / 4);
+  void take(const FacetRatings::Passage& passage) {
+    const std::uint32_t a = sets_.find(passage.side / 4);
+    const std::uint32_t b = sets_.find(passage.beyond);
     if (a == b || apart(a, b)) return;
     if (opposed(a, b)) {
       keep_apart(a, b);
@@ -91,42 +72,71 @@ class Merger {
   }
 
   Clusters snapshot() {
-    Clusters clusters{std::vector<std::uint32_t>(complex_.cells()), sets_.find(outside_)};
-    for (std::size_t c = 0; c < complex_.cells(); ++c) clusters.cluster[c] = sets_.find(c);
+    Clusters clusters{std::vector<std::uint32_t>(clusters_.size()), sets_.find(outside_)};
+    for (std::size_t c = 0; c < clusters_.size(); ++c) clusters.cluster[c] = sets_.find(c);
     return clusters;
   }
 
  private:
+  /// An evidence facet of a cell: the cell beyond it, and the next item of the same cluster.
+  struct Item {
+    CellIndex beyond;
+    std::uint32_t next = kNone;
+  };
+  /// What is known of a cluster, at its root.
+  struct Cluster {
+    std::uint32_t first = kNone;
+    std::uint32_t last = kNone;
+    std::uint32_t items = 0;
+    std::uint32_t partners = kNone;
+  };
+
+  void collect_items(const DelaunayComplex& complex, const std::vector<std::uint8_t>& evidence) {
+    std::size_t count = 0;
+    for (const std::uint8_t bits : evidence) count += static_cast<std::size_t>(std::popcount(bits));
+    items_.reserve(count);
+    for (std::size_t c = 0; c < evidence.size(); ++c) {
+      if (evidence[c] == 0) continue;
+      const auto first = static_cast<std::uint32_t>(items_.size());
+      for (unsigned bits = evidence[c]; bits != 0; bits &= bits - 1) {
+        const SideIndex side(4 * c + static_cast<std::size_t>(std::countr_zero(bits)));
+        items_.push_back({complex.neighbour(side), static_cast<std::uint32_t>(items_.size() + 1)});
+      }
+      items_.back().next = kNone;
+      const auto end = static_cast<std::uint32_t>(items_.size());
+      clusters_[c] = {first, end - 1, end - first, kNone};
+    }
+  }
+
   static std::uint64_t pair(std::uint32_t a, std::uint32_t b) {
     return (std::uint64_t{std::min(a, b)} << 32U) | std::max(a, b);
   }
-  /// Cells with evidence of a cluster form a list that begins at its root or, where that has none, after it.
-  std::uint32_t first_item(std::uint32_t root) const { return evidence_[root] != 0 ? root : next_[root]; }
 
   /// Enough of the evidence around the cluster with less of it points at the other one.
   bool opposed(std::uint32_t a, std::uint32_t b) {
-    if (items_[b] < items_[a]) std::swap(a, b);
-    if (items_[a] < kFewestItems) return false;
+    if (clusters_[b].items < clusters_[a].items) std::swap(a, b);
+    const std::uint32_t items = clusters_[a].items;
+    if (items < kFewestItems) return false;
+    const double enough = kGuardShare * items;
     std::uint32_t count = 0;
-    for (std::uint32_t c = first_item(a); c != kNone; c = next_[c]) {
-      for (unsigned bits = evidence_[c]; bits != 0; bits &= bits - 1) {
-        const std::size_t side = 4 * std::size_t{c} + static_cast<std::size_t>(std::countr_zero(bits));
-        if (sets_.find(complex_.mate(side) / 4) == b) ++count;
-      }
+    std::uint32_t left = items;
+    for (std::uint32_t k = clusters_[a].first; k != kNone; k = items_[k].next, --left) {
+      if (count + left <= enough) return false;
+      if (sets_.find(items_[k].beyond) == b && ++count > enough) return true;
     }
-    return count > kGuardShare * items_[a];
+    return false;
   }
 
   bool apart(std::uint32_t a, std::uint32_t b) const {
-    return partners_of_[a] != kNone && partners_of_[b] != kNone && apart_.contains(pair(a, b));
+    return clusters_[a].partners != kNone && clusters_[b].partners != kNone && apart_.contains(pair(a, b));
   }
 
   std::vector<std::uint32_t>& partners(std::uint32_t root) {
-    if (partners_of_[root] == kNone) {
-      partners_of_[root] = static_cast<std::uint32_t>(partners_.size());
+    if (clusters_[root].partners == kNone) {
+      clusters_[root].partners = static_cast<std::uint32_t>(partners_.size());
       partners_.emplace_back();
     }
-    return partners_[partners_of_[root]];
+    return partners_[clusters_[root].partners];
   }
 
   void keep_apart(std::uint32_t a, std::uint32_t b) {
@@ -140,21 +150,20 @@ class Merger {
     const std::uint32_t root = sets_.find(a);
     const std::uint32_t gone = root == a ? b : a;
     append_items(root, gone);
-    items_[root] += items_[gone];
-    if (partners_of_[gone] != kNone) inherit(root, gone);
+    clusters_[root].items += clusters_[gone].items;
+    if (clusters_[gone].partners != kNone) inherit(root, gone);
   }
 
   void append_items(std::uint32_t root, std::uint32_t gone) {
-    if (last_[gone] == kNone) return;
-    const std::uint32_t first = first_item(gone);
-    next_[last_[root] == kNone ? root : last_[root]] = first;
-    last_[root] = last_[gone];
+    if (clusters_[gone].last == kNone) return;
+    (clusters_[root].last == kNone ? clusters_[root].first : items_[clusters_[root].last].next) = clusters_[gone].first;
+    clusters_[root].last = clusters_[gone].last;
   }
 
   /// Whoever was kept apart from `gone` is now kept apart from `root`.
   void inherit(std::uint32_t root, std::uint32_t gone) {
-    const std::vector<std::uint32_t> moved = std::move(partners_[partners_of_[gone]]);
-    partners_of_[gone] = kNone;
+    const std::vector<std::uint32_t> moved = std::move(partners_[clusters_[gone].partners]);
+    clusters_[gone].partners = kNone;
     for (const std::uint32_t old : moved) {
       const std::uint32_t other = sets_.find(old);
       if (other == root) continue;
@@ -166,16 +175,11 @@ class Merger {
     }
   }
 
-  const DelaunayComplex& complex_;
-  const std::vector<std::uint8_t>& evidence_;
   UnionFind sets_;
-  std::vector<std::uint32_t> next_;
-  std::vector<std::uint32_t> last_;
-  /// Evidence facets of each cluster, at its root.
-  std::vector<std::uint32_t> items_;
-  std::vector<std::uint32_t> partners_of_;
+  std::vector<Cluster> clusters_;
+  std::vector<Item> items_;
   std::vector<std::vector<std::uint32_t>> partners_;
-  /// Few pairs are ever kept apart; most lookups stop at partners_of_.
+  /// Few pairs are ever kept apart; most lookups stop at the clusters.
   std::unordered_set<std::uint64_t> apart_;
   std::uint32_t outside_ = 0;
 };
@@ -188,17 +192,38 @@ std::vector<std::uint8_t> inside_of(const Clusters& clusters) {
   return in;
 }
 
-RatedFacets rate_facets(const DelaunayComplex& complex, const FacetSet& boundary, unsigned threads) {
-  const BallRatio ratio(complex, threads);
-  RatedFacets rated{std::vector<std::uint16_t>(4 * complex.cells(), 0), std::vector<std::uint8_t>(complex.cells(), 0)};
+FacetRatings rate_facets(const DelaunayComplex& complex, unsigned threads) {
+  FacetRatings ratings{
+      std::vector<std::uint16_t>(4 * complex.cells(), 0), std::vector<std::uint8_t>(complex.cells(), 0), {}};
+  {
+    const BallRatio ratio(complex, threads);
+    parallel_ranges(threads, complex.cells(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = begin; c < end; ++c) {
+        for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
+          if (s > complex.mate(s)) continue;
+          const float value = ratio.of(SideIndex(s));
+          ratings.steps[s] = static_cast<std::uint16_t>(FacetRatings::step_of(value));
+          if (value < RatedFacets::kEvidenceBelow) ratings.low[c] |= static_cast<std::uint8_t>(1U << (s % 4));
+        }
+      }
+    });
+  }
+  ratings.passages = descending(complex, ratings.steps);
+  return ratings;
+}
+
+RatedFacets with_evidence(const DelaunayComplex& complex, FacetRatings ratings, const FacetSet& boundary,
+                          unsigned threads) {
+  RatedFacets rated{std::move(ratings.steps), std::vector<std::uint8_t>(complex.cells(), 0),
+                    std::move(ratings.passages)};
   parallel_ranges(threads, complex.cells(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
-      for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
-        const bool wall = boundary.contains(SideIndex(s));
-        if (!wall && s > complex.mate(s)) continue;
-        const float value = ratio.of(SideIndex(s));
-        rated.steps[s] = static_cast<std::uint16_t>(RatedFacets::step_of(value));
-        if (wall && value < RatedFacets::kEvidenceBelow) rated.evidence[c] |= static_cast<std::uint8_t>(1U << (s % 4));
+      for (unsigned bits = boundary.of_cell(CellIndex(c)); bits != 0; bits &= bits - 1) {
+        const SideIndex s(4 * c + static_cast<std::size_t>(std::countr_zero(bits)));
+        const SideIndex lesser = std::min(s, complex.mate(s));
+        if (s != lesser) rated.steps[s] = rated.steps[lesser];
+        if ((unsigned{ratings.low[lesser / 4]} >> (lesser % 4) & 1U) == 0) continue;
+        rated.evidence[c] |= static_cast<std::uint8_t>(1U << (s % 4));
       }
     }
   });
@@ -208,19 +233,23 @@ RatedFacets rate_facets(const DelaunayComplex& complex, const FacetSet& boundary
 Result<std::vector<Clusters>> guarded_watershed(const DelaunayComplex& complex, const FacetSet& boundary,
                                                 const RatedFacets& rated, std::span<const float> levels,
                                                 Context& context) {
-  const DescendingFacets facets = descending(complex, boundary, rated, levels);
+  const std::vector<FacetRatings::Passage>& passages = rated.passages;
   Merger merger(complex, rated.evidence);
   std::vector<Clusters> at_levels;
   std::size_t next = 0;
-  for (const std::size_t end : facets.ends) {
+  for (const float level : levels) {
+    const std::uint32_t lowest = FacetRatings::step_of(level);
+    const auto end = static_cast<std::size_t>(
+        std::ranges::partition_point(passages, [&](const auto& p) { return rated.steps[p.side] >= lowest; }) -
+        passages.begin());
     for (; next < end; ++next) {
       if (next % kCancelStride == 0) {
         if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled in the watershed"};
-        context.report(static_cast<double>(next) / static_cast<double>(facets.sides.size()));
+        context.report(static_cast<double>(next) / static_cast<double>(passages.size()));
       }
-      const std::size_t last = facets.sides.size() - 1;
-      merger.prefetch(facets.sides[std::min(next + kFar, last)], facets.sides[std::min(next + kNear, last)]);
-      merger.take(facets.sides[next]);
+      const std::size_t last = passages.size() - 1;
+      merger.prefetch(passages[std::min(next + kFar, last)], passages[std::min(next + kNear, last)]);
+      if (!boundary.contains(passages[next].side)) merger.take(passages[next]);
     }
     at_levels.push_back(merger.snapshot());
   }
