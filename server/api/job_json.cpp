@@ -21,6 +21,22 @@ Json links_json(const Job& job) {
   return links;
 }
 
+Json attempts_json(const Job& job) {
+  Json list = Json::array();
+  for (const Attempt& attempt : job.attempts) {
+    list.push_back({{"number", attempt.number},
+                    {"started_at", to_rfc3339(attempt.started_at)},
+                    {"ended_at", time_json(attempt.ended_at)},
+                    {"outcome", attempt.outcome.empty() ? Json() : Json(attempt.outcome)},
+                    {"seconds", attempt.usage.seconds},
+                    {"cpu_seconds", attempt.usage.cpu_seconds},
+                    {"peak_memory_bytes", attempt.usage.peak_memory_bytes},
+                    {"code", attempt.error ? Json(name_of(attempt.error->code)) : Json()},
+                    {"detail", attempt.error ? Json(attempt.error->detail) : Json()}});
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string job_path(std::string_view id) { return "/v1/jobs/" + std::string(id); }
@@ -39,6 +55,8 @@ Json job_json(const Job& job) {
           {"phase", job.phase.empty() ? Json() : Json(job.phase)},
           {"queue_position", job.queue_position ? Json(*job.queue_position) : Json()},
           {"attempt", job.attempt},
+          {"attempts", attempts_json(job)},
+          {"parked", job.parked},
           {"created_at", to_rfc3339(job.created_at)},
           {"started_at", time_json(job.started_at)},
           {"finished_at", time_json(job.finished_at)},

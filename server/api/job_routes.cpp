@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "api/job_json.hpp"
 #include "api/routes.hpp"
 #include "http/problem.hpp"
@@ -28,11 +30,22 @@ Status check_content(const Request& request) {
   return Done{};
 }
 
+/// The trace context, if it is one by the letter of the W3C: 00-TRACE-SPAN-FLAGS in lower-case hexadecimal.
+std::string traceparent_of(const Request& request) {
+  const std::string value(request.headers.find("traceparent").value_or(""));
+  constexpr std::string_view kShape = "00-xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx-xxxxxxxxxxxxxxxx-xx";
+  const bool fits = value.size() == kShape.size() && std::ranges::equal(value, kShape, [](char given, char shape) {
+                      if (shape != 'x') return given == shape;
+                      return (given >= '0' && given <= '9') || (given >= 'a' && given <= 'f');
+                    });
+  return fits ? value : std::string();
+}
+
 Result<Job> submit(Request& request, Door door, JobService& service, const RouteOptions& options) {
   if (Status content = check_content(request); !content.ok()) return content.error();
   const auto submission = read_submission(request.query, door, options.ttl);
   if (!submission) return submission.error();
-  return service.submit(*submission, *request.body, request.request_id);
+  return service.submit(*submission, *request.body, {request.request_id, traceparent_of(request)});
 }
 
 Response created(int status, const Job& job) {
@@ -98,6 +111,11 @@ Response delete_job(const Request& request, JobService& service) {
   return http::json_response(removal->removed ? 200 : 202, job_json(removal->job));
 }
 
+Response retry_job(const Request& request, JobService& service) {
+  const auto job = service.retry(request.path_parts.at("id"));
+  return job ? created(202, *job) : problem_response(job.error(), request);
+}
+
 }  // namespace
 
 void add_job_routes(http::Router& router, JobService& service, const RouteOptions& options) {
@@ -108,6 +126,7 @@ void add_job_routes(http::Router& router, JobService& service, const RouteOption
     return job ? created(201, *job) : problem_response(job.error(), request);
   });
   router.add("GET", "/v1/jobs/{id}", [&service](Request& request) { return get_job(request, service); });
+  router.add("POST", "/v1/jobs/{id}/retry", [&service](Request& request) { return retry_job(request, service); });
   router.add("DELETE", "/v1/jobs/{id}", [&service](Request& request) { return delete_job(request, service); });
 }
 

@@ -31,7 +31,7 @@ JobService::JobService(JobStore& jobs, ArtifactStore& artifacts, JobEvents& even
       scheduler_(scheduler),
       free_waiters_(static_cast<std::ptrdiff_t>(waiters)) {}
 
-Result<Job> JobService::submit(const Submission& submission, http::BodySource& body, const std::string& request_id) {
+Result<Job> JobService::submit(const Submission& submission, http::BodySource& body, const RequestMark& mark) {
   if (!body.present()) {
     return Error{ErrorCode::length_required, "the request has neither Content-Length nor Transfer-Encoding"};
   }
@@ -41,8 +41,14 @@ Result<Job> JobService::submit(const Submission& submission, http::BodySource& b
   const std::string id = random_hex<16>();
   const auto input = store_body(body, id);
   if (!input) return input.error();
-  const NewJob job{id,         submission.method, submission.parameters, *input, submission.outputs,
-                   request_id, submission.ttl};
+  const NewJob job{id,
+                   submission.method,
+                   submission.parameters,
+                   *input,
+                   submission.outputs,
+                   mark.request_id,
+                   mark.traceparent,
+                   submission.ttl};
   auto stored = jobs_.submit(job);
   if (stored) {
     scheduler_.wake();
@@ -88,6 +94,15 @@ Result<JobService::Removal> JobService::dismiss(std::string_view id) {
   auto after = jobs_.find(id);
   if (!after) return after.error();
   return Removal{std::move(*after), false};
+}
+
+Result<Job> JobService::retry(std::string_view id) {
+  auto retried = jobs_.retry(id);
+  if (!retried) return retried.error();
+  artifacts_.remove(retried->garbage);
+  events_.changed(id);
+  scheduler_.wake();
+  return std::move(retried->job);
 }
 
 Result<http::BodyStream> JobService::open_output(const Job& job, const Output& output) {

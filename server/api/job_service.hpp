@@ -15,6 +15,12 @@
 
 namespace surfaced::api {
 
+/// By what a job is found again in logs and traces.
+struct RequestMark {
+  std::string request_id;
+  std::string traceparent;
+};
+
 /// What the doors of the service do with jobs: take one in, wait for one, end one. Knows stores and
 /// scheduler, not how answers look.
 class JobService {
@@ -25,7 +31,7 @@ class JobService {
 
   /// Stores the body and queues a job; durable when the call returns.
   /// @return  length_required, empty_input, queue_full, storage_full, and what reading the body may say.
-  Result<Job> submit(const Submission& submission, http::BodySource& body, const std::string& request_id);
+  Result<Job> submit(const Submission& submission, http::BodySource& body, const RequestMark& mark);
 
   Result<Job> find(std::string_view id) { return jobs_.find(id); }
 
@@ -38,6 +44,9 @@ class JobService {
     bool removed = false;
   };
   Result<Removal> dismiss(std::string_view id);
+
+  /// Queues a failed or dismissed job again.
+  Result<Job> retry(std::string_view id);
 
   /// The output as a body to send; job_gone if it was removed meanwhile.
   Result<http::BodyStream> open_output(const Job& job, const Output& output);

@@ -29,10 +29,10 @@ Verdict judge(Outcome outcome, Mishaps before) {
     case Outcome::crashed:
     case Outcome::out_of_memory:
       ++before.failures;
-      return {before.failures <= kFailuresAllowed, before};
+      return {before.failures <= kFailuresAllowed, before, before.failures > kFailuresAllowed};
     case Outcome::lost:
       ++before.losses;
-      return {before.losses < kLossesAllowed, before};
+      return {before.losses < kLossesAllowed, before, before.losses >= kLossesAllowed};
     case Outcome::drained:
       return {true, before};
     default:

@@ -5,10 +5,12 @@
 //                 |  |---dismiss--.  | |
 //                 |               v  v |
 //                 |            dismissed (by the client)
-//                 '------------- give back: the attempt was lost, drained, or crashed for the first time
+//                 |------------- give back: the attempt was lost, drained, or crashed for the first time
+//                 '------------- retry (by the client) of a failed or dismissed job
 //
-// `successful`, `failed` and `dismissed` are ends. An ended job is removed by its client or when its
-// time to live is over; its id then answers "gone" for another while.
+// `successful`, `failed` and `dismissed` are ends; a failed job is parked if it had used up its attempts. An
+// ended job is removed by its client or when its time to live is over; its id then answers "gone" for
+// another while.
 #pragma once
 
 #include <cstdint>
@@ -56,8 +58,29 @@ struct NewJob {
   std::vector<std::string> wanted;
   /// Of the request that made the job.
   std::string request_id;
+  /// The W3C trace context that the request carried; empty if it carried none.
+  std::string traceparent;
   /// How long the job is kept after its end.
   std::chrono::seconds ttl{};
+};
+
+/// What an attempt used.
+struct Usage {
+  double seconds = 0;
+  double cpu_seconds = 0;
+  std::uint64_t peak_memory_bytes = 0;
+};
+
+/// A claim of the job as it went, in the list of its attempts.
+struct Attempt {
+  std::uint32_t number = 0;
+  SystemTime started_at;
+  /// None while it runs.
+  std::optional<SystemTime> ended_at;
+  /// Name of its Outcome; empty while it runs.
+  std::string outcome;
+  Usage usage;
+  std::optional<Error> error;
 };
 
 struct Job : NewJob {
@@ -73,11 +96,15 @@ struct Job : NewJob {
   std::optional<SystemTime> finished_at;
   std::optional<SystemTime> expires_at;
   std::optional<Error> error;
+  /// It failed because it may not be attempted again; only its client can start it anew.
+  bool parked = false;
   std::vector<Output> outputs;
+  /// The latest ones, oldest first.
+  std::vector<Attempt> attempts;
 };
 
-/// The right to work on a job. It is void as soon as the job is dismissed or claimed again: whatever
-/// is then said in its name changes nothing.
+/// The right to work on a job. It is void as soon as the job is dismissed or claimed again, or its lease has run
+/// out because nobody renewed it: whatever is then said in its name changes nothing.
 struct Claim {
   std::string job;
   std::uint32_t attempt = 0;
@@ -94,7 +121,7 @@ enum class Outcome : std::uint8_t {
   crashed,
   /// The client dismissed the job.
   cancelled,
-  /// The server died, or could not do its part (spawn, store); says nothing about the input.
+  /// The server died, its lease ran out, or it could not do its part (spawn, store); says nothing about the input.
   lost,
   /// The server is stopping.
   drained,
@@ -117,6 +144,8 @@ inline constexpr std::uint32_t kLossesAllowed = 20;
 struct Verdict {
   bool again = false;
   Mishaps mishaps;
+  /// It gets none because its attempts are used up.
+  bool parked = false;
 };
 Verdict judge(Outcome outcome, Mishaps before);
 

@@ -31,11 +31,34 @@ struct Dismissal {
   Artifacts garbage;
 };
 
+/// What a retry of an ended job leaves in the artifact store: the outputs of the attempts before.
+struct Retry {
+  Job job;
+  Artifacts garbage;
+};
+
+/// How many jobs there are now.
+struct Census {
+  std::uint64_t accepted = 0;
+  std::uint64_t running = 0;
+  /// When the oldest accepted job was submitted.
+  std::optional<SystemTime> oldest_accepted;
+};
+
+/// How an attempt ended, as its worker tells it.
+struct Ending {
+  Outcome outcome = Outcome::lost;
+  /// Unless the outcome is `done`.
+  std::optional<Error> error{};
+  std::vector<Output> outputs{};
+  Usage usage{};
+};
+
 /// Where jobs are kept. Every change is durable when the call returns, or did not happen; a change in
 /// the name of a claim happens only while that claim holds (fencing). All calls are safe in threads.
 ///
-/// Errors: job_not_found, job_gone and queue_full where named; internal_error or storage_full if the
-/// store itself fails.
+/// Errors: job_not_found, job_gone and queue_full where named; storage_full, not_ready (somebody else holds the
+/// store) or internal_error if the store itself fails.
 class JobStore {
  public:
   JobStore() = default;
@@ -58,18 +81,29 @@ class JobStore {
   /// How far the claim's attempt is. Not durable: it is of no use once the attempt is over.
   virtual void report(const Claim& claim, double progress, std::string_view phase) = 0;
 
+  /// Renews the claim's lease: its worker lives.
+  /// @return false if the claim does not hold any more; its worker shall stop.
+  virtual Result<bool> renew(const Claim& claim) = 0;
+
+  /// Gives back the jobs whose claims have not been renewed for the time of a lease, measured by this process's
+  /// monotonic clock: a claim counts as silent from when this process first saw it unchanged, so that clocks that
+  /// jump or differ between machines end no lease. To be called every few seconds.
+  /// @return the claims that are void now.
+  virtual Result<std::vector<Claim>> expire_leases() = 0;
+
   /// The attempt is over. Its outputs and the job's new state become visible together.
-  /// @param error  unless the outcome is `done`
   /// @return the job's state after it, or none if the claim did not hold any more: then nothing changed.
-  virtual Result<std::optional<JobStatus>> settle(const Claim& claim, Outcome outcome,
-                                                  const std::optional<Error>& error,
-                                                  const std::vector<Output>& outputs) = 0;
+  virtual Result<std::optional<JobStatus>> settle(const Claim& claim, const Ending& ending) = 0;
+
+  /// Queues a failed or dismissed job again, at the end, with its mishaps forgotten.
+  /// @return job_not_found, job_gone, not_retryable, queue_full.
+  virtual Result<Retry> retry(std::string_view id) = 0;
 
   /// Dismisses an active job, removes an ended one; job_not_found, job_gone.
   virtual Result<Dismissal> dismiss(std::string_view id) = 0;
 
-  /// To be called once, before the first claim of a server: whatever is running was lost with the
-  /// server before it. Returns the number of those jobs.
+  /// To be called once, before the first claim of a server that has the store for itself: whatever is running was
+  /// lost with the server before it, and need not wait for its lease. Returns the number of those jobs.
   virtual Result<std::size_t> recover() = 0;
 
   /// Removes ended jobs whose time to live is over, and forgets those that were removed long ago.
@@ -79,6 +113,11 @@ class JobStore {
 
   /// Everything that is to be kept in the artifact store.
   virtual Result<Artifacts> kept() = 0;
+
+  virtual Result<Census> census() = 0;
+
+  /// Which job store this is, for as long as its file lives: 128 random bits.
+  virtual Result<std::string> identity() = 0;
 
   /// Done if a change could be made now.
   virtual Status writable() = 0;

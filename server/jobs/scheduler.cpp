@@ -23,6 +23,7 @@ Scheduler::~Scheduler() { drain(std::chrono::milliseconds(0)); }
 
 void Scheduler::start() {
   for (unsigned i = 0; i < options_.workers; ++i) threads_.emplace_back([this] { work(); });
+  pulse_ = std::thread([this] { pulse(); });
 }
 
 void Scheduler::wake() {
@@ -33,8 +34,9 @@ void Scheduler::wake() {
 
 void Scheduler::cancel(std::string_view job) {
   const std::scoped_lock lock(mutex_);
-  const auto found = running_.find(std::string(job));
-  if (found != running_.end()) found->second->stop(Outcome::cancelled);
+  for (const Running& each : running_) {
+    if (each.claim.job == job) each.stop->stop(Outcome::cancelled);
+  }
 }
 
 void Scheduler::drain(std::chrono::milliseconds grace) {
@@ -43,10 +45,40 @@ void Scheduler::drain(std::chrono::milliseconds grace) {
     stopping_ = true;
     wake_.notify_all();
     idle_.wait_for(lock, grace, [&] { return running_.empty(); });
-    for (const auto& [job, stop] : running_) stop->stop(Outcome::drained);
+    for (const Running& each : running_) each.stop->stop(Outcome::drained);
   }
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
+  if (pulse_.joinable()) pulse_.join();
+}
+
+void Scheduler::pulse() {
+  for (;;) {
+    {
+      std::unique_lock lock(mutex_);
+      // Until the last attempt has ended its lease is renewed, also while the server stops.
+      wake_.wait_for(lock, options_.heartbeat, [&] { return stopping_ && running_.empty(); });
+      if (stopping_ && running_.empty()) return;
+    }
+    renew_leases();
+    const auto silent = jobs_.expire_leases();
+    if (!silent || silent->empty()) continue;
+    for (const Claim& claim : *silent) events_.changed(claim.job);
+    wake();
+  }
+}
+
+void Scheduler::renew_leases() {
+  std::vector<Running> running;
+  {
+    const std::scoped_lock lock(mutex_);
+    running = running_;
+  }
+  for (const Running& each : running) {
+    const auto holds = jobs_.renew(each.claim);
+    // If the store cannot say, the work goes on: settling is fenced.
+    if (holds && !*holds) each.stop->stop(Outcome::cancelled);
+  }
 }
 
 void Scheduler::work() {
@@ -72,7 +104,7 @@ void Scheduler::run_claimed(const ClaimedJob& claimed) {
   const auto stop = std::make_shared<StopSignal>();
   {
     const std::scoped_lock lock(mutex_);
-    running_[claimed.job.id] = stop;
+    running_.push_back({claimed.claim(), stop});
     if (stopping_) stop->stop(Outcome::drained);
   }
   events_.changed(claimed.job.id);
@@ -82,8 +114,9 @@ void Scheduler::run_claimed(const ClaimedJob& claimed) {
   settle(claimed, attempt_safely(claimed, *stop));
   events_.changed(claimed.job.id);
   const std::scoped_lock lock(mutex_);
-  running_.erase(claimed.job.id);
+  std::erase_if(running_, [&](const Running& each) { return each.stop == stop; });
   idle_.notify_all();
+  if (stopping_) wake_.notify_all();
 }
 
 AttemptResult Scheduler::attempt_safely(const ClaimedJob& claimed, const StopSignal& stop) {
@@ -106,8 +139,10 @@ AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& st
   log->line("job " + claim.job + " attempt " + std::to_string(claim.attempt) + " request " + claimed.job.request_id);
   log->line("method " + claimed.job.method + " " + claimed.job.parameters.dump());
   log->line("input " + std::to_string(claimed.job.input.bytes) + " bytes, sha256 " + claimed.job.input.sha256);
+  if (!claimed.job.traceparent.empty()) log->line("traceparent " + claimed.job.traceparent);
   const AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters, *cloud,
-                         *directory, claimed.job.wanted.front(), options_.limits,        ::getpid()};
+                         *directory, claimed.job.wanted.front(), options_.limits,        ::getpid(),
+                         claimed.job.traceparent};
   AttemptResult result = runner_.run(
       spec, stop, *log, [&](double progress, std::string_view phase) { jobs_.report(claim, progress, phase); });
   log->close();
@@ -119,7 +154,7 @@ void Scheduler::settle(const ClaimedJob& claimed, AttemptResult result) {
   const Claim claim = claimed.claim();
   const std::vector<Output> outputs = publish(claimed.job, result);
   for (;;) {
-    const auto status = jobs_.settle(claim, result.outcome, result.error, outputs);
+    const auto status = jobs_.settle(claim, {result.outcome, result.error, outputs, result.usage});
     if (status) {
       const bool kept = status->has_value() && ended(**status) && !outputs.empty();
       if (!kept) artifacts_.discard(claim);
@@ -140,11 +175,13 @@ std::vector<Output> Scheduler::publish(const Job& job, AttemptResult& result) {
   auto published = artifacts_.publish({job.id, job.attempt}, names);
   if (!published) {
     const bool by_child = published.error().code == ErrorCode::crashed;
-    result = {by_child ? Outcome::crashed : Outcome::lost, published.error()};
+    result.outcome = by_child ? Outcome::crashed : Outcome::lost;
+    result.error = published.error();
     return {};
   }
   if (published->size() < names.size()) {
-    result = {Outcome::crashed, Error{ErrorCode::crashed, "the process ended without writing its outputs"}};
+    result.outcome = Outcome::crashed;
+    result.error = Error{ErrorCode::crashed, "the process ended without writing its outputs"};
     std::erase_if(*published, [](const Output& output) { return output.name != "log.txt"; });
   }
   return std::move(*published);

@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 #include <thread>
-#include <unordered_map>
 #include <vector>
 
 #include "artifacts/artifact_store.hpp"
@@ -17,7 +16,8 @@
 
 namespace surfaced {
 
-/// Takes jobs from the store, oldest first, and runs them: a thread a worker, a child process an attempt.
+/// Takes jobs from the store, oldest first, and runs them: a thread a worker, a child process an attempt. One more
+/// thread renews the leases of what runs here, and gives back what runs nowhere any more.
 ///
 /// Who owns what: a claimed job is the worker's until it is settled. On the way there the worker
 /// publishes the outputs, then settles outputs and state in one transaction; if that says that the claim
@@ -28,6 +28,8 @@ class Scheduler {
   struct Options {
     unsigned workers = 1;
     AttemptLimits limits;
+    /// Between two renewals of the leases of running attempts; a third of the lease is right.
+    std::chrono::milliseconds heartbeat{10'000};
   };
 
   Scheduler(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, const AttemptRunner& runner, Options options);
@@ -47,7 +49,14 @@ class Scheduler {
   void drain(std::chrono::milliseconds grace);
 
  private:
+  struct Running {
+    Claim claim;
+    std::shared_ptr<StopSignal> stop;
+  };
+
   void work();
+  void pulse();
+  void renew_leases();
   void run_claimed(const ClaimedJob& claimed);
   /// What `attempt` throws (memory runs out in the server) loses the attempt and not the worker.
   AttemptResult attempt_safely(const ClaimedJob& claimed, const StopSignal& stop);
@@ -68,8 +77,10 @@ class Scheduler {
   std::condition_variable idle_;
   std::uint64_t submissions_ = 0;
   bool stopping_ = false;
-  std::unordered_map<std::string, std::shared_ptr<StopSignal>> running_;
+  // Two attempts at one job may overlap: one whose claim is void and has not noticed yet.
+  std::vector<Running> running_;
   std::vector<std::thread> threads_;
+  std::thread pulse_;
 };
 
 }  // namespace surfaced

@@ -16,8 +16,15 @@ namespace {
 using namespace sqlite;
 
 Error store_error(const SqliteError& error) {
-  const bool full = (error.code() & 0xFF) == SQLITE_FULL;
-  return {full ? ErrorCode::storage_full : ErrorCode::internal_error, error.what()};
+  switch (error.code() & 0xFF) {
+    case SQLITE_FULL:
+      return {ErrorCode::storage_full, error.what()};
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return {ErrorCode::not_ready, error.what()};
+    default:
+      return {ErrorCode::internal_error, error.what()};
+  }
 }
 
 /// The wall of this folder: what SQLite throws becomes a value.
@@ -36,17 +43,24 @@ struct LiveProgress {
   std::string phase;
 };
 
+/// A renewable claim as this process has last heard of it.
+struct Heard {
+  std::uint32_t attempt = 0;
+  std::int64_t heartbeat = 0;
+  std::chrono::steady_clock::time_point when;
+};
+
 /// One connection writes, another reads, each under its own mutex: a read never waits for the disk.
 class SqliteJobStore final : public JobStore {
  public:
   SqliteJobStore(const std::filesystem::path& file, const JobStoreLimits& limits)
-      : limits_(limits), writer_(file), reader_(file) {
+      : limits_(limits), writer_(file, limits.patience), reader_(file, limits.patience) {
     migrate(writer_);
   }
 
   Result<Job> submit(const NewJob& job) override {
     return guarded([&]() -> Result<Job> {
-      const std::scoped_lock lock(write_mutex_);
+      const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
       if (Status room = room_in(writer_); !room.ok()) return room.error();
       insert_job(writer_, job, now());
@@ -79,7 +93,7 @@ class SqliteJobStore final : public JobStore {
 
   Result<std::optional<ClaimedJob>> claim() override {
     return guarded([&]() -> Result<std::optional<ClaimedJob>> {
-      const std::scoped_lock lock(write_mutex_);
+      const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
       const auto id = claim_oldest(writer_, now());
       if (!id) return std::optional<ClaimedJob>();
@@ -99,21 +113,64 @@ class SqliteJobStore final : public JobStore {
     found->second.phase = phase;
   }
 
-  Result<std::optional<JobStatus>> settle(const Claim& claim, Outcome outcome, const std::optional<Error>& error,
-                                          const std::vector<Output>& outputs) override {
-    return guarded([&]() -> Result<std::optional<JobStatus>> {
-      const std::scoped_lock lock(write_mutex_);
+  Result<bool> renew(const Claim& claim) override {
+    return guarded([&]() -> Result<bool> {
+      const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
-      const auto status = settle_claim(writer_, {claim, outcome, error, outputs, now()});
+      const bool holds = beat(writer_, claim);
+      transaction.commit();
+      return holds;
+    });
+  }
+
+  Result<std::vector<Claim>> expire_leases() override {
+    return guarded([&]() -> Result<std::vector<Claim>> {
+      const auto lock = lock_writer();
+      Transaction transaction(writer_, Transaction::Kind::write);
+      const std::vector<Claim> silent = silent_claims();
+      Ending ending;
+      ending.error = Error{ErrorCode::lost, "the worker was silent for " + std::to_string(limits_.lease.count()) +
+                                                " ms, " + std::to_string(kLossesAllowed) + " times under this job"};
+      for (const Claim& claim : silent) settle_claim(writer_, claim, ending, now());
+      transaction.commit();
+      for (const Claim& claim : silent) heard_.erase(claim.job);
+      return silent;
+    });
+  }
+
+  Result<std::optional<JobStatus>> settle(const Claim& claim, const Ending& ending) override {
+    return guarded([&]() -> Result<std::optional<JobStatus>> {
+      const auto lock = lock_writer();
+      Transaction transaction(writer_, Transaction::Kind::write);
+      const auto status = settle_claim(writer_, claim, ending, now());
       if (status) transaction.commit();
       forget_progress(claim);
       return status;
     });
   }
 
+  Result<Retry> retry(std::string_view id) override {
+    return guarded([&]() -> Result<Retry> {
+      const auto lock = lock_writer();
+      Transaction transaction(writer_, Transaction::Kind::write);
+      const auto row = select_job(writer_, id);
+      if (Status there = present(row, id); !there.ok()) return there.error();
+      const JobStatus status = row->job.status;
+      if (status != JobStatus::failed && status != JobStatus::dismissed) {
+        return Error{ErrorCode::not_retryable, "job " + row->job.id + " is " + std::string(name_of(status)) +
+                                                   "; only a failed or dismissed job can be tried again"};
+      }
+      if (Status room = room_in(writer_); !room.ok()) return room.error();
+      Retry retry{{}, requeue_ended(writer_, row->job)};
+      retry.job = select_job(writer_, id)->job;
+      transaction.commit();
+      return retry;
+    });
+  }
+
   Result<Dismissal> dismiss(std::string_view id) override {
     return guarded([&]() -> Result<Dismissal> {
-      const std::scoped_lock lock(write_mutex_);
+      const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
       const auto row = select_job(writer_, id);
       if (Status there = present(row, id); !there.ok()) return there.error();
@@ -122,7 +179,7 @@ class SqliteJobStore final : public JobStore {
       if (dismissal.removed) {
         dismissal.garbage = remove_job(writer_, row->job, time, time + limits_.tombstone);
       } else {
-        dismiss_job(writer_, id, time, time + row->job.ttl);
+        dismiss_job(writer_, row->job, time);
       }
       transaction.commit();
       return dismissal;
@@ -131,11 +188,13 @@ class SqliteJobStore final : public JobStore {
 
   Result<std::size_t> recover() override {
     return guarded([&]() -> Result<std::size_t> {
-      const std::scoped_lock lock(write_mutex_);
+      const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
       const auto running = select_running(writer_);
-      const Error error{ErrorCode::lost, "the server died " + std::to_string(kLossesAllowed) + " times under this job"};
-      for (const Claim& claim : running) settle_claim(writer_, {claim, Outcome::lost, error, {}, now()});
+      Ending ending;
+      ending.error =
+          Error{ErrorCode::lost, "the server died " + std::to_string(kLossesAllowed) + " times under this job"};
+      for (const Beating& each : running) settle_claim(writer_, each.claim, ending, now());
       transaction.commit();
       return running.size();
     });
@@ -143,7 +202,7 @@ class SqliteJobStore final : public JobStore {
 
   Result<Artifacts> expire() override {
     return guarded([&]() -> Result<Artifacts> {
-      const std::scoped_lock lock(write_mutex_);
+      const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
       const SystemTime time = now();
       purge_tombstones(writer_, time);
@@ -167,9 +226,24 @@ class SqliteJobStore final : public JobStore {
     });
   }
 
+  Result<Census> census() override {
+    return guarded([&]() -> Result<Census> {
+      const std::scoped_lock lock(read_mutex_);
+      const Transaction transaction(reader_, Transaction::Kind::read);
+      return select_census(reader_);
+    });
+  }
+
+  Result<std::string> identity() override {
+    return guarded([&]() -> Result<std::string> {
+      const std::scoped_lock lock(read_mutex_);
+      return select_identity(reader_);
+    });
+  }
+
   Status writable() override {
     return guarded([&]() -> Status {
-      const std::scoped_lock lock(write_mutex_);
+      const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
       transaction.commit();
       return Done{};
@@ -177,6 +251,33 @@ class SqliteJobStore final : public JobStore {
   }
 
  private:
+  /// Whoever holds it may itself wait for another process: nobody behind waits longer than that.
+  std::unique_lock<std::timed_mutex> lock_writer() {
+    std::unique_lock lock(write_mutex_, limits_.patience);
+    if (!lock) {
+      throw SqliteError(SQLITE_BUSY, "the job store is busy since " + std::to_string(limits_.patience.count()) + " ms");
+    }
+    return lock;
+  }
+
+  /// Notes who has renewed its claim, and returns those who have not for the time of a lease.
+  std::vector<Claim> silent_claims() {
+    const auto time = std::chrono::steady_clock::now();
+    std::vector<Claim> silent;
+    std::unordered_map<std::string, Heard> heard;
+    for (const Beating& each : select_running(writer_)) {
+      Heard now_heard{each.claim.attempt, each.heartbeat, time};
+      const auto before = heard_.find(each.claim.job);
+      const bool unchanged = before != heard_.end() && before->second.attempt == each.claim.attempt &&
+                             before->second.heartbeat == each.heartbeat;
+      if (unchanged) now_heard.when = before->second.when;
+      if (time - now_heard.when >= limits_.lease) silent.push_back(each.claim);
+      heard.emplace(each.claim.job, now_heard);
+    }
+    heard_ = std::move(heard);
+    return silent;
+  }
+
   Status room_in(Database& database) const {
     const auto waiting = count_accepted(database);
     if (waiting < limits_.queue) return Done{};
@@ -207,12 +308,14 @@ class SqliteJobStore final : public JobStore {
   }
 
   const JobStoreLimits limits_;
-  std::mutex write_mutex_;
+  std::timed_mutex write_mutex_;
   std::mutex read_mutex_;
   std::mutex progress_mutex_;
   Database writer_;
   Database reader_;
   std::unordered_map<std::string, LiveProgress> progress_;
+  // Under the writer's lock.
+  std::unordered_map<std::string, Heard> heard_;
 };
 
 }  // namespace

@@ -13,6 +13,10 @@ struct JobStoreLimits {
   std::size_t queue = 1000;
   /// How long an id answers "gone" after its job was removed.
   std::chrono::seconds tombstone = std::chrono::hours(24);
+  /// A claim that was not renewed for this long is void.
+  std::chrono::milliseconds lease{30'000};
+  /// How long a call waits while another process holds the store.
+  std::chrono::milliseconds patience{2'000};
 };
 
 /// Opens or creates the job store in this file. One server uses it at a time (the data directory is

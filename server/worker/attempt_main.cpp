@@ -68,9 +68,9 @@ int attempt_main(const std::string& description) {
     return exit_code_of(spec.error().code);
   }
   try {
-    if (const Status confined = confine_this_process(spec->limits, spec->parent); !confined) {
-      return give_up(confined.error());
-    }
+    const auto confined = confine_this_process(*spec);
+    if (!confined) return give_up(confined.error());
+    std::cerr << "confined by " << *confined << std::endl;
     const Status done = reconstruct(*spec);
     return done ? 0 : give_up(done.error());
   } catch (const std::bad_alloc&) {

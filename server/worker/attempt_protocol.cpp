@@ -26,7 +26,8 @@ std::string encode(const AttemptSpec& spec) {
                   {"file_bytes", spec.limits.file_bytes},
                   {"seconds", spec.limits.time.count()},
                   {"threads", spec.limits.threads},
-                  {"parent", spec.parent}});
+                  {"parent", spec.parent},
+                  {"traceparent", spec.traceparent}});
 }
 
 Result<AttemptSpec> decode_attempt(std::string_view text) {
@@ -43,6 +44,7 @@ Result<AttemptSpec> decode_attempt(std::string_view text) {
                    json.at("file_bytes").get<std::uint64_t>(),
                    std::chrono::seconds(json.at("seconds").get<std::int64_t>()), json.at("threads").get<unsigned>()};
     spec.parent = json.at("parent").get<int>();
+    spec.traceparent = json.at("traceparent").get<std::string>();
     return spec;
   } catch (const Json::exception& wrong) {
     return Error{ErrorCode::invalid_usage, std::string("the server starts this command itself: ") + wrong.what()};

@@ -44,6 +44,8 @@ struct AttemptSpec {
   AttemptLimits limits;
   /// The process whose death is the child's.
   int parent = 0;
+  /// Trace context of the request, for whoever follows the work; may be empty.
+  std::string traceparent{};
 };
 
 std::string encode(const AttemptSpec& spec);

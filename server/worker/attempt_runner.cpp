@@ -20,6 +20,9 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kGrace{500};
 /// What a child that has ended may have left in a pipe.
 constexpr std::size_t kMaxLeftover = std::size_t{1} << 20;
+/// Between two looks at the child's memory: RLIMIT_DATA does not count what is shared or mapped from a file of
+/// memory, and a limit that the child sets upon itself is only as good as the child.
+constexpr std::chrono::milliseconds kWatchInterval{100};
 
 /// Hands on what can be read now, up to a limit; false at the end of the stream.
 template <class Sink>
@@ -41,7 +44,12 @@ class Watch {
  public:
   Watch(ChildProcess& child, const AttemptSpec& spec, const StopSignal& stop, AttemptLog& log,
         const AttemptRunner::ProgressSink& progress)
-      : child_(child), stop_(stop), log_(log), progress_(progress), deadline_(Clock::now() + spec.limits.time) {}
+      : child_(child),
+        stop_(stop),
+        log_(log),
+        progress_(progress),
+        memory_limit_(spec.limits.memory_bytes),
+        deadline_(Clock::now() + spec.limits.time) {}
 
   /// Returns once the child has ended or was killed.
   void until_end() {
@@ -53,7 +61,7 @@ class Watch {
     while (!killed_) {
       const int count = ::poll(fds.data(), fds.size(), milliseconds_left());
       if (count < 0 && errno != EINTR) break;
-      if (count == 0) time_is_over();
+      look_at_the_clock();
       if (messages.revents != 0 && !read_messages()) messages.fd = -1;
       if (output.revents != 0 && !read_output()) output.fd = -1;
       if (ended.revents != 0) break;
@@ -67,17 +75,22 @@ class Watch {
   }
 
   bool timed_out() const { return timed_out_; }
+  bool out_of_memory() const { return out_of_memory_; }
   const std::optional<Error>& problem() const { return problem_; }
 
  private:
   int milliseconds_left() const {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline_ - Clock::now());
-    // poll takes an int; a longer limit is reached in several rounds.
-    return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 3'600'000));
+    return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, kWatchInterval.count()));
   }
 
-  void time_is_over() {
-    if (Clock::now() < deadline_) return;
+  void look_at_the_clock() {
+    const auto time = Clock::now();
+    if (time >= next_look_) {
+      next_look_ = time + kWatchInterval;
+      look_at_the_memory();
+    }
+    if (time < deadline_) return;
     if (asked_) {
       child_.signal_group(SIGKILL);
       killed_ = true;
@@ -85,6 +98,13 @@ class Watch {
       timed_out_ = true;
       ask_to_end();
     }
+  }
+
+  void look_at_the_memory() {
+    if (child_.memory_bytes() <= memory_limit_) return;
+    out_of_memory_ = true;
+    child_.signal_group(SIGKILL);
+    killed_ = true;
   }
 
   void ask_to_end() {
@@ -113,12 +133,15 @@ class Watch {
   const StopSignal& stop_;
   AttemptLog& log_;
   const AttemptRunner::ProgressSink& progress_;
+  const std::uint64_t memory_limit_;
   Clock::time_point deadline_;
+  Clock::time_point next_look_;
   LineSplitter splitter_;
   std::optional<Error> problem_;
   bool asked_ = false;
   bool killed_ = false;
   bool timed_out_ = false;
+  bool out_of_memory_ = false;
 };
 
 /// What the child's own words mean for its job.
@@ -156,9 +179,15 @@ AttemptResult judge_exit(const ChildProcess::Exit& exit, const std::optional<Err
                                                                 std::to_string(spec.limits.time.count()) + " s on " +
                                                                 std::to_string(spec.limits.threads) + " threads"}};
   }
+  if (exit.signal == SIGXFSZ) {
+    return {Outcome::method_failed, Error{ErrorCode::method_failed, "an output would be larger than the limit of " +
+                                                                        std::to_string(spec.limits.file_bytes) +
+                                                                        " bytes"}};
+  }
   if (exit.signal != 0) {
+    const char* const why = exit.signal == SIGSYS ? ", for a system call that an attempt may not make" : "";
     return {Outcome::crashed,
-            Error{ErrorCode::crashed, "the process was ended by the signal " + name_of_signal(exit.signal)}};
+            Error{ErrorCode::crashed, "the process was ended by the signal " + name_of_signal(exit.signal) + why}};
   }
   if (exit.code == 0 && !problem) return {Outcome::done, {}};
   if (exit.code != 0 && problem) return {outcome_of(problem->code), problem};
@@ -167,23 +196,37 @@ AttemptResult judge_exit(const ChildProcess::Exit& exit, const std::optional<Err
                                         (problem ? " although it reported a problem" : " without a reason")}};
 }
 
+AttemptResult judge(const ChildProcess::Exit& exit, const Watch& watch, const StopSignal& stop,
+                    const AttemptSpec& spec) {
+  if (const auto why = stop.why()) return {*why, Error{ErrorCode::cancelled, "the work was stopped"}};
+  if (watch.timed_out()) {
+    return {Outcome::timed_out, Error{ErrorCode::timed_out, "the work took longer than the limit of " +
+                                                                std::to_string(spec.limits.time.count()) + " s"}};
+  }
+  if (watch.out_of_memory()) {
+    return {Outcome::out_of_memory, Error{ErrorCode::out_of_memory, "the work took more memory than the limit of " +
+                                                                        std::to_string(spec.limits.memory_bytes) +
+                                                                        " bytes"}};
+  }
+  return judge_exit(exit, watch.problem(), spec);
+}
+
 }  // namespace
 
 AttemptResult AttemptRunner::run(const AttemptSpec& spec, const StopSignal& stop, AttemptLog& log,
                                  const ProgressSink& progress) const {
   std::vector<std::string> command = command_;
   command.push_back(encode(spec));
+  const auto began = Clock::now();
   auto child = ChildProcess::start(command);
   if (!child) return {Outcome::lost, child.error()};
   Watch watch(*child, spec, stop, log, progress);
   watch.until_end();
   const ChildProcess::Exit exit = child->reap();
-  if (const auto why = stop.why()) return {*why, Error{ErrorCode::cancelled, "the work was stopped"}};
-  if (watch.timed_out()) {
-    return {Outcome::timed_out, Error{ErrorCode::timed_out, "the work took longer than the limit of " +
-                                                                std::to_string(spec.limits.time.count()) + " s"}};
-  }
-  return judge_exit(exit, watch.problem(), spec);
+  AttemptResult result = judge(exit, watch, stop, spec);
+  result.usage = {std::chrono::duration<double>(Clock::now() - began).count(), exit.cpu_seconds,
+                  exit.peak_memory_bytes};
+  return result;
 }
 
 }  // namespace surfaced

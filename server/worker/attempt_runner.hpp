@@ -17,14 +17,16 @@ namespace surfaced {
 struct AttemptResult {
   Outcome outcome = Outcome::lost;
   std::optional<Error> error;
+  Usage usage{};
 };
 
 /// Runs attempts, each in a child process that is started for it and gone when `run` returns.
 ///
 ///   start --> working --ends by itself-----------------------> reaped
 ///                |                                               ^
-///                '--stopped or out of time--> TERM --ends--------|
-///                                              '--grace over--> KILL of the group
+///                |--stopped or out of time--> TERM --ends--------|
+///                |                              '--grace over----|
+///                '--over its memory----------------------------> KILL of the group
 class AttemptRunner {
  public:
   using ProgressSink = std::function<void(double progress, std::string_view phase)>;

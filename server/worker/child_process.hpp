@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -14,10 +15,13 @@ namespace surfaced {
 /// group is killed and the process reaped, so that none stays behind.
 class ChildProcess {
  public:
-  /// How the process ended: its exit code, or the signal that ended it.
+  /// How the process ended: its exit code, or the signal that ended it; and what it used.
   struct Exit {
     int code = 0;
     int signal = 0;
+    double cpu_seconds = 0;
+    /// As the kernel counts it; never less than what the server itself had when it started the process.
+    std::uint64_t peak_memory_bytes = 0;
   };
 
   /// Starts the command (posix_spawn, which is safe in a process of many threads) with an empty
@@ -37,6 +41,9 @@ class ChildProcess {
   int messages() const { return messages_.get(); }
   /// What it writes to standard output and standard error; not blocking.
   int output() const { return output_.get(); }
+
+  /// Memory that is the process's own (not pages of files), by /proc; 0 once it has ended.
+  std::uint64_t memory_bytes() const;
 
   /// Sends the signal to the whole group.
   void signal_group(int signal) const;

@@ -1,14 +1,24 @@
 #pragma once
 
+#include <filesystem>
+#include <string>
+
 #include "base/base.hpp"
 #include "worker/attempt_protocol.hpp"
 
 namespace surfaced {
 
-/// Takes from this process, for good, what an attempt does not need: it dies with its parent, gains no
-/// privileges, leaves no core file, and is held to its limits of memory (RLIMIT_DATA, which gives a
-/// clean bad_alloc; address space is no measure of memory), processor time, file size and open files.
-/// To be called by the child before it touches its input.
-Status confine_this_process(const AttemptLimits& limits, int parent);
+/// Takes from this process, for good, what an attempt does not need:
+///
+///   dies with its parent, gains no privileges, leaves no core file
+///   limits of memory (RLIMIT_DATA, which gives a clean bad_alloc; address space is no measure of memory),
+///     processor time, size of a file and open files
+///   files: reads the cloud, works in the attempt's directory, and nothing else (Landlock, where the kernel has it)
+///   system calls: those of reading, writing, memory and threads; a socket, another program or a look into
+///     another process ends it with SIGSYS, anything else that is not on the list fails with EPERM (seccomp)
+///
+/// To be called by the child before it touches its input and before it starts a thread.
+/// @return  which of the two last ones are in force, for the log
+Result<std::string> confine_this_process(const AttemptSpec& spec);
 
 }  // namespace surfaced

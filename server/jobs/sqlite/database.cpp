@@ -3,24 +3,28 @@
 #include <sqlite3.h>
 
 namespace surfaced::sqlite {
-namespace {
-
-/// Another process that looks at the file (a backup) may hold the lock this long.
-constexpr int kBusyMilliseconds = 10'000;
-
-}  // namespace
-
 void Database::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 void Database::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
-Database::Database(const std::filesystem::path& file) {
+Database::Database(const std::filesystem::path& file, std::chrono::milliseconds patience) {
   sqlite3* handle = nullptr;
   const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
   const int code = sqlite3_open_v2(file.c_str(), &handle, flags, nullptr);
   handle_.reset(handle);
   if (code != SQLITE_OK) fail(code, "open");
-  sqlite3_busy_timeout(handle_.get(), kBusyMilliseconds);
+  sqlite3_busy_timeout(handle_.get(), static_cast<int>(patience.count()));
   run("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON; PRAGMA trusted_schema=OFF");
+  // SQLite does not fail where it cannot do as it is told, but does something else.
+  expect("PRAGMA journal_mode", "wal");
+  expect("PRAGMA synchronous", "2");
+}
+
+void Database::expect(const char* pragma, std::string_view value) {
+  Query query(*this, pragma);
+  const std::string is = query.step() ? query.text(0) : std::string();
+  if (is == value) return;
+  throw SqliteError(0, "the job store cannot be made durable: " + std::string(pragma) + " is '" + is + "', not '" +
+                           std::string(value) + "'; put it on a local disk");
 }
 
 void Database::fail(int code, std::string_view doing) const {
@@ -53,21 +57,29 @@ Query::~Query() {
   sqlite3_clear_bindings(statement_);
 }
 
-Query& Query::bind(std::string_view text) {
-  const int code = sqlite3_bind_text64(statement_, ++bound_, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
+void Query::check_bound(int code) {
   if (code != SQLITE_OK) database_.fail(code, "ask");
+}
+
+Query& Query::bind(std::string_view text) {
+  check_bound(sqlite3_bind_text64(statement_, ++bound_, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8));
   return *this;
 }
 
 Query& Query::bind(std::int64_t number) {
-  const int code = sqlite3_bind_int64(statement_, ++bound_, number);
-  if (code != SQLITE_OK) database_.fail(code, "ask");
+  check_bound(sqlite3_bind_int64(statement_, ++bound_, number));
   return *this;
 }
 
-Query& Query::bind(std::nullptr_t) {
-  const int code = sqlite3_bind_null(statement_, ++bound_);
-  if (code != SQLITE_OK) database_.fail(code, "ask");
+Query& Query::bind(double number) {
+  check_bound(sqlite3_bind_double(statement_, ++bound_, number));
+  return *this;
+}
+
+Query& Query::bind(const std::optional<Error>& error) {
+  if (error) return bind(name_of(error->code)).bind(std::string_view(error->detail));
+  check_bound(sqlite3_bind_null(statement_, ++bound_));
+  check_bound(sqlite3_bind_null(statement_, ++bound_));
   return *this;
 }
 
@@ -89,6 +101,8 @@ std::string Query::text(int column) const {
 }
 
 std::int64_t Query::number(int column) const { return sqlite3_column_int64(statement_, column); }
+
+double Query::real(int column) const { return sqlite3_column_double(statement_, column); }
 
 bool Query::null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
 

@@ -3,6 +3,7 @@
 // into values at its wall.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -11,6 +12,8 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+
+#include "base/base.hpp"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -30,8 +33,10 @@ class SqliteError : public std::runtime_error {
 /// One connection; not to be used by two threads at once.
 class Database {
  public:
-  /// Opens or creates the file: WAL, every commit synced to the disk, foreign keys on.
-  explicit Database(const std::filesystem::path& file);
+  /// Opens or creates the file: WAL, every commit synced to the disk, foreign keys on; throws if the file cannot
+  /// be had so (a file system without shared memory).
+  /// @param patience  for the lock, which another process (a backup) may hold
+  Database(const std::filesystem::path& file, std::chrono::milliseconds patience);
 
   /// Runs statements that return nothing.
   void run(const char* sql);
@@ -47,6 +52,8 @@ class Database {
     void operator()(sqlite3_stmt* statement) const;
   };
   [[noreturn]] void fail(int code, std::string_view doing) const;
+  /// Throws unless the pragma has this value.
+  void expect(const char* pragma, std::string_view value);
   sqlite3_stmt* prepared(const char* sql);
 
   std::unique_ptr<sqlite3, Close> handle_;
@@ -65,7 +72,9 @@ class Query {
   /// Binds the next parameter. The text must live until the last step.
   Query& bind(std::string_view text);
   Query& bind(std::int64_t number);
-  Query& bind(std::nullptr_t);
+  Query& bind(double number);
+  /// Two parameters, code and detail, or two NULLs.
+  Query& bind(const std::optional<Error>& error);
 
   /// Goes to the next row; false when there is none.
   bool step();
@@ -74,11 +83,13 @@ class Query {
 
   std::string text(int column) const;
   std::int64_t number(int column) const;
+  double real(int column) const;
   bool null(int column) const;
 
  private:
   Database& database_;
   sqlite3_stmt* statement_;
+  void check_bound(int code);
   int bound_ = 0;
 };
 

@@ -1,9 +1,13 @@
 #include "jobs/sqlite/job_rows.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 namespace surfaced::sqlite {
 namespace {
+
+/// Attempts that are shown of a job. Drained ones are not bounded by any count.
+constexpr std::int64_t kAttemptsShown = 50;
 
 /// Reads what to_rfc3339 wrote.
 std::optional<SystemTime> time_at(const Query& query, int column) {
@@ -44,6 +48,48 @@ void replace_outputs(Database& database, std::string_view id, const std::vector<
   }
 }
 
+std::optional<Error> error_at(const Query& query, int column) {
+  if (query.null(column)) return std::nullopt;
+  ErrorCode code = ErrorCode::internal_error;
+  error_code_named(query.text(column), code);
+  return Error{code, query.text(column + 1)};
+}
+
+std::vector<Attempt> select_attempts(Database& database, std::string_view id) {
+  std::vector<Attempt> attempts;
+  Query query(database,
+              "SELECT number, started_at, ended_at, outcome, seconds, cpu_seconds, peak_memory_bytes, error_code, "
+              "error_detail FROM attempts WHERE job = ? ORDER BY number DESC LIMIT ?");
+  query.bind(id).bind(kAttemptsShown);
+  while (query.step()) {
+    attempts.push_back({static_cast<std::uint32_t>(query.number(0)), time_at(query, 1).value_or(SystemTime{}),
+                        time_at(query, 2), query.text(3),
+                        Usage{query.real(4), query.real(5), static_cast<std::uint64_t>(query.number(6))},
+                        error_at(query, 7)});
+  }
+  std::ranges::reverse(attempts);
+  return attempts;
+}
+
+void end_attempt(Database& database, const Claim& claim, const Ending& ending, SystemTime time) {
+  const std::string ended = to_rfc3339(time);
+  Query update(database,
+               "UPDATE attempts SET ended_at = ?, outcome = ?, seconds = ?, cpu_seconds = ?, peak_memory_bytes = ?, "
+               "error_code = ?, error_detail = ? WHERE job = ? AND number = ?");
+  update.bind(ended).bind(name_of(ending.outcome)).bind(ending.usage.seconds).bind(ending.usage.cpu_seconds);
+  update.bind(static_cast<std::int64_t>(ending.usage.peak_memory_bytes)).bind(ending.error);
+  update.bind(claim.job).bind(std::int64_t{claim.attempt}).run();
+}
+
+Artifacts published_by(const Job& job) {
+  Artifacts garbage;
+  for (const Output& output : job.outputs) {
+    const bool known = !garbage.outputs.empty() && garbage.outputs.back().attempt == output.attempt;
+    if (!known) garbage.outputs.push_back({job.id, output.attempt});
+  }
+  return garbage;
+}
+
 JobRow read_job(const Query& query) {
   JobRow row;
   Job& job = row.job;
@@ -68,11 +114,9 @@ JobRow read_job(const Query& query) {
   if (wanted.is_array()) {
     for (const auto& name : wanted) job.wanted.push_back(name.get<std::string>());
   }
-  if (!query.null(14)) {
-    ErrorCode code = ErrorCode::internal_error;
-    error_code_named(query.text(14), code);
-    job.error = Error{code, query.text(15)};
-  }
+  job.error = error_at(query, 14);
+  job.parked = query.number(19) != 0;
+  job.traceparent = query.text(20);
   return row;
 }
 
@@ -126,7 +170,7 @@ void insert_job(Database& database, const NewJob& job, SystemTime time) {
   const std::string created = to_rfc3339(time);
   Query(database,
         "INSERT INTO jobs (id, method, parameters, status, input_key, input_bytes, input_sha256, wanted, request_id, "
-        "ttl_seconds, created_at) VALUES (?, ?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?)")
+        "traceparent, ttl_seconds, created_at) VALUES (?, ?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(job.id)
       .bind(job.method)
       .bind(parameters)
@@ -135,6 +179,7 @@ void insert_job(Database& database, const NewJob& job, SystemTime time) {
       .bind(job.input.sha256)
       .bind(wanted)
       .bind(job.request_id)
+      .bind(job.traceparent)
       .bind(std::int64_t{job.ttl.count()})
       .bind(created)
       .run();
@@ -147,7 +192,7 @@ std::optional<JobRow> select_job(Database& database, std::string_view id) {
     Query query(database,
                 "SELECT id, method, parameters, status, attempt, input_key, input_bytes, input_sha256, ttl_seconds, "
                 "created_at, started_at, finished_at, expires_at, removed_at, error_code, error_detail, wanted, "
-                "request_id, seq "
+                "request_id, seq, parked, traceparent "
                 "FROM jobs WHERE id = ?");
     query.bind(id);
     if (!query.step()) return std::nullopt;
@@ -160,6 +205,7 @@ std::optional<JobRow> select_job(Database& database, std::string_view id) {
     if (query.step()) row->job.queue_position = static_cast<std::uint64_t>(query.number(0));
   }
   row->job.outputs = select_outputs(database, id);
+  row->job.attempts = select_attempts(database, id);
   return row;
 }
 
@@ -171,68 +217,96 @@ std::size_t count_accepted(Database& database) {
 
 std::optional<std::string> claim_oldest(Database& database, SystemTime time) {
   const std::string started = to_rfc3339(time);
-  Query query(database,
-              "UPDATE jobs SET status = 'running', attempt = attempt + 1, started_at = ? WHERE seq = "
-              "(SELECT seq FROM jobs WHERE status = 'accepted' ORDER BY seq LIMIT 1) RETURNING id");
-  query.bind(started);
-  if (!query.step()) return std::nullopt;
-  std::string id = query.text(0);
-  query.run();
+  std::string id;
+  std::int64_t attempt = 0;
+  {
+    Query query(database,
+                "UPDATE jobs SET status = 'running', attempt = attempt + 1, heartbeat = 0, started_at = ? WHERE seq = "
+                "(SELECT seq FROM jobs WHERE status = 'accepted' ORDER BY seq LIMIT 1) RETURNING id, attempt");
+    query.bind(started);
+    if (!query.step()) return std::nullopt;
+    id = query.text(0);
+    attempt = query.number(1);
+    query.run();
+  }
+  Query(database, "INSERT INTO attempts (job, number, started_at) VALUES (?, ?, ?)")
+      .bind(id)
+      .bind(attempt)
+      .bind(started)
+      .run();
   return id;
 }
 
-std::optional<JobStatus> settle_claim(Database& database, const Settlement& settlement) {
-  const auto standing = standing_of(database, settlement.claim);
+bool beat(Database& database, const Claim& claim) {
+  Query(database, "UPDATE jobs SET heartbeat = heartbeat + 1 WHERE id = ? AND attempt = ? AND status = 'running'")
+      .bind(claim.job)
+      .bind(std::int64_t{claim.attempt})
+      .run();
+  return database.changes() > 0;
+}
+
+std::optional<JobStatus> settle_claim(Database& database, const Claim& claim, const Ending& ending, SystemTime time) {
+  const auto standing = standing_of(database, claim);
   if (!standing) return std::nullopt;
-  const Verdict verdict = judge(settlement.outcome, standing->mishaps);
+  end_attempt(database, claim, ending, time);
+  const Verdict verdict = judge(ending.outcome, standing->mishaps);
   if (verdict.again) {
-    requeue(database, settlement.claim, verdict.mishaps);
+    requeue(database, claim, verdict.mishaps);
     return JobStatus::accepted;
   }
-  const JobStatus status = status_after(settlement.outcome);
-  const std::string finished = to_rfc3339(settlement.time);
-  const std::string expires = to_rfc3339(settlement.time + standing->ttl);
+  const JobStatus status = status_after(ending.outcome);
+  const std::string finished = to_rfc3339(time);
+  const std::string expires = to_rfc3339(time + standing->ttl);
   Query update(database,
-               "UPDATE jobs SET status = ?, finished_at = ?, expires_at = ?, failures = ?, losses = ?, error_code = ?, "
-               "error_detail = ? WHERE id = ? AND attempt = ? AND status = 'running'");
+               "UPDATE jobs SET status = ?, finished_at = ?, expires_at = ?, failures = ?, losses = ?, parked = ?, "
+               "error_code = ?, error_detail = ? WHERE id = ? AND attempt = ? AND status = 'running'");
   update.bind(name_of(status)).bind(finished).bind(expires);
   update.bind(std::int64_t{verdict.mishaps.failures}).bind(std::int64_t{verdict.mishaps.losses});
-  if (settlement.error) {
-    update.bind(name_of(settlement.error->code)).bind(settlement.error->detail);
-  } else {
-    update.bind(nullptr).bind(nullptr);
-  }
-  update.bind(settlement.claim.job).bind(std::int64_t{settlement.claim.attempt}).run();
-  replace_outputs(database, settlement.claim.job, settlement.outputs);
+  update.bind(std::int64_t{verdict.parked}).bind(ending.error);
+  update.bind(claim.job).bind(std::int64_t{claim.attempt}).run();
+  replace_outputs(database, claim.job, ending.outputs);
   return status;
 }
 
-void dismiss_job(Database& database, std::string_view id, SystemTime time, SystemTime expires) {
+void dismiss_job(Database& database, const Job& job, SystemTime time) {
   const std::string finished = to_rfc3339(time);
-  const std::string expiry = to_rfc3339(expires);
+  const std::string expiry = to_rfc3339(time + job.ttl);
   Query(database,
         "UPDATE jobs SET status = 'dismissed', finished_at = ?, expires_at = ? "
         "WHERE id = ? AND status IN ('accepted', 'running')")
       .bind(finished)
       .bind(expiry)
-      .bind(id)
+      .bind(job.id)
       .run();
+  if (job.status != JobStatus::running) return;
+  Ending ending;
+  ending.outcome = Outcome::cancelled;
+  end_attempt(database, {job.id, job.attempt}, ending, time);
+}
+
+Artifacts requeue_ended(Database& database, const Job& job) {
+  Query(database, "DELETE FROM outputs WHERE job = ?").bind(job.id).run();
+  Query(database,
+        "UPDATE jobs SET status = 'accepted', started_at = NULL, finished_at = NULL, expires_at = NULL, failures = 0, "
+        "losses = 0, parked = 0, error_code = NULL, error_detail = NULL, seq = (SELECT max(seq) + 1 FROM jobs) "
+        "WHERE id = ? AND status IN ('failed', 'dismissed') AND removed_at IS NULL")
+      .bind(job.id)
+      .run();
+  return published_by(job);
 }
 
 Artifacts remove_job(Database& database, const Job& job, SystemTime time, SystemTime expires) {
   const std::string removed = to_rfc3339(time);
   const std::string expiry = to_rfc3339(expires);
   Query(database, "DELETE FROM outputs WHERE job = ?").bind(job.id).run();
+  Query(database, "DELETE FROM attempts WHERE job = ?").bind(job.id).run();
   Query(database, "UPDATE jobs SET removed_at = ?, expires_at = ? WHERE id = ? AND removed_at IS NULL")
       .bind(removed)
       .bind(expiry)
       .bind(job.id)
       .run();
-  Artifacts garbage{{job.input.key}, {}};
-  for (const Output& output : job.outputs) {
-    const bool known = !garbage.outputs.empty() && garbage.outputs.back().attempt == output.attempt;
-    if (!known) garbage.outputs.push_back({job.id, output.attempt});
-  }
+  Artifacts garbage = published_by(job);
+  garbage.inputs.push_back(job.input.key);
   return garbage;
 }
 
@@ -241,9 +315,31 @@ void purge_tombstones(Database& database, SystemTime time) {
   Query(database, "DELETE FROM jobs WHERE expires_at <= ? AND removed_at IS NOT NULL").bind(limit).run();
 }
 
-std::vector<Claim> select_running(Database& database) {
-  Query query(database, "SELECT id, attempt FROM jobs WHERE status = 'running' ORDER BY seq");
-  return claims(query);
+std::vector<Beating> select_running(Database& database) {
+  Query query(database, "SELECT id, attempt, heartbeat FROM jobs WHERE status = 'running' ORDER BY seq");
+  std::vector<Beating> found;
+  while (query.step()) {
+    found.push_back({{query.text(0), static_cast<std::uint32_t>(query.number(1))}, query.number(2)});
+  }
+  return found;
+}
+
+Census select_census(Database& database) {
+  Census census;
+  census.accepted = count_accepted(database);
+  {
+    Query running(database, "SELECT count(*) FROM jobs WHERE status = 'running'");
+    if (running.step()) census.running = static_cast<std::uint64_t>(running.number(0));
+  }
+  Query oldest(database, "SELECT created_at FROM jobs WHERE status = 'accepted' ORDER BY seq LIMIT 1");
+  if (oldest.step()) census.oldest_accepted = time_at(oldest, 0);
+  return census;
+}
+
+std::string select_identity(Database& database) {
+  Query query(database, "SELECT id FROM store");
+  if (!query.step()) throw SqliteError(0, "the job store is damaged: it has lost its identity");
+  return query.text(0);
 }
 
 std::vector<std::string> select_expired(Database& database, SystemTime time) {

@@ -30,24 +30,29 @@ std::size_t count_accepted(Database& database);
 /// The oldest accepted job becomes running, with a new attempt; returns its id.
 std::optional<std::string> claim_oldest(Database& database, SystemTime time);
 
-/// What is known of an attempt that is over.
-struct Settlement {
-  const Claim& claim;
-  Outcome outcome;
-  const std::optional<Error>& error;
-  const std::vector<Output>& outputs;
-  SystemTime time;
-};
 /// Moves the job on; none, and nothing changed, if the claim does not hold.
-std::optional<JobStatus> settle_claim(Database& database, const Settlement& settlement);
+std::optional<JobStatus> settle_claim(Database& database, const Claim& claim, const Ending& ending, SystemTime time);
 
-void dismiss_job(Database& database, std::string_view id, SystemTime time, SystemTime expires);
+/// False if the claim does not hold.
+bool beat(Database& database, const Claim& claim);
+
+void dismiss_job(Database& database, const Job& job, SystemTime time);
+
+/// Makes an ended job accepted again, at the end of the queue; returns its outputs as garbage.
+Artifacts requeue_ended(Database& database, const Job& job);
 
 /// Leaves a tombstone that expires; returns what the job has in the artifact store.
 Artifacts remove_job(Database& database, const Job& job, SystemTime time, SystemTime expires);
 void purge_tombstones(Database& database, SystemTime time);
 
-std::vector<Claim> select_running(Database& database);
+/// A running job's claim, and how often it was renewed.
+struct Beating {
+  Claim claim;
+  std::int64_t heartbeat = 0;
+};
+std::vector<Beating> select_running(Database& database);
+Census select_census(Database& database);
+std::string select_identity(Database& database);
 std::vector<std::string> select_expired(Database& database, SystemTime time);
 std::vector<std::string> select_inputs(Database& database);
 std::vector<Claim> select_published(Database& database);

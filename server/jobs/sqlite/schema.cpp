@@ -45,6 +45,32 @@ CREATE TABLE outputs (
   PRIMARY KEY (job, name)
 ) STRICT, WITHOUT ROWID;
 )sql",
+    R"sql(
+CREATE TABLE attempts (
+  job               TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
+  number            INTEGER NOT NULL,
+  started_at        TEXT NOT NULL,
+  ended_at          TEXT,
+  outcome           TEXT,
+  seconds           REAL NOT NULL DEFAULT 0,
+  cpu_seconds       REAL NOT NULL DEFAULT 0,
+  peak_memory_bytes INTEGER NOT NULL DEFAULT 0,
+  error_code        TEXT,
+  error_detail      TEXT,
+  PRIMARY KEY (job, number)
+) STRICT, WITHOUT ROWID;
+INSERT INTO attempts (job, number, started_at, ended_at)
+  SELECT id, attempt, coalesce(started_at, created_at), finished_at FROM jobs
+  WHERE attempt > 0 AND (status = 'running' OR finished_at IS NOT NULL);
+UPDATE attempts SET outcome = (SELECT CASE status WHEN 'successful' THEN 'done' WHEN 'dismissed' THEN 'cancelled'
+  ELSE CASE WHEN error_code IN ('method_failed', 'out_of_memory', 'timed_out', 'crashed', 'lost') THEN error_code
+  ELSE 'input_invalid' END END FROM jobs WHERE id = attempts.job) WHERE ended_at IS NOT NULL;
+ALTER TABLE jobs ADD COLUMN heartbeat INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN parked INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN traceparent TEXT NOT NULL DEFAULT '';
+CREATE TABLE store (id TEXT NOT NULL) STRICT;
+INSERT INTO store (id) VALUES (lower(hex(randomblob(16))));
+)sql",
 });
 
 }  // namespace
