@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <functional>
+#include <memory>
+#include <optional>
 
 #include "api/job_json.hpp"
 #include "api/routes.hpp"
@@ -73,22 +76,45 @@ Response mesh_response(const Request& request, const Job& job, JobService& servi
   return response;
 }
 
+/// The answer to a request that waits for the job's end: what `show` makes of the job when it has ended or the
+/// time is over.
+Response when_ended(const Request& request, const std::string& id, std::chrono::milliseconds at_most,
+                    JobService& service, std::function<Response(const Request&, const Job&)> show) {
+  Request asked = request;
+  asked.body = nullptr;
+  auto later = std::make_shared<http::Later>();
+  later->deadline = std::chrono::steady_clock::now() + at_most;
+  later->subscribe = [&service, id](std::function<void()> wake) { return service.watch(id, std::move(wake)); };
+  later->look = [&service, id, asked = std::move(asked), show = std::move(show)](bool last) -> std::optional<Response> {
+    const auto job = service.find(id);
+    if (!job) return problem_response(job.error(), asked);
+    if (!last && !ended(job->status)) return std::nullopt;
+    return show(asked, *job);
+  };
+  Response response;
+  response.later = std::move(later);
+  return response;
+}
+
+Response reconstructed(const Request& request, const Job& job, JobService& service) {
+  switch (job.status) {
+    case JobStatus::successful:
+      return mesh_response(request, job, service);
+    case JobStatus::failed:
+      return problem_response(job.error.value_or(Error{ErrorCode::internal_error, "the job failed without a reason"}),
+                              request);
+    case JobStatus::dismissed:
+      return problem_response({ErrorCode::cancelled, "the job " + job.id + " was dismissed meanwhile"}, request);
+    default:
+      return created(202, job);
+  }
+}
+
 Response reconstruct(Request& request, JobService& service, const RouteOptions& options) {
   const auto submitted = submit(request, Door::reconstruct, service, options);
   if (!submitted) return problem_response(submitted.error(), request);
-  const auto job = service.wait(submitted->id, options.reconstruct_wait);
-  if (!job) return problem_response(job.error(), request);
-  switch (job->status) {
-    case JobStatus::successful:
-      return mesh_response(request, *job, service);
-    case JobStatus::failed:
-      return problem_response(job->error.value_or(Error{ErrorCode::internal_error, "the job failed without a reason"}),
-                              request);
-    case JobStatus::dismissed:
-      return problem_response({ErrorCode::cancelled, "the job " + job->id + " was dismissed meanwhile"}, request);
-    default:
-      return created(202, *job);
-  }
+  return when_ended(request, submitted->id, options.reconstruct_wait, service,
+                    [&service](const Request& asked, const Job& job) { return reconstructed(asked, job, service); });
 }
 
 Response get_job(const Request& request, JobService& service) {
@@ -100,9 +126,9 @@ Response get_job(const Request& request, JobService& service) {
     if (!given) return problem_response(given.error(), request);
     seconds = *given;
   }
-  const std::string& id = request.path_parts.at("id");
-  const auto job = service.wait(id, std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000)));
-  return job ? http::json_response(200, job_json(*job)) : problem_response(job.error(), request);
+  const auto time = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
+  return when_ended(request, request.path_parts.at("id"), time, service,
+                    [](const Request&, const Job& job) { return http::json_response(200, job_json(job)); });
 }
 
 Response delete_job(const Request& request, JobService& service) {

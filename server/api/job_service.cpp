@@ -5,31 +5,8 @@
 #include "platform/random.hpp"
 
 namespace surfaced::api {
-namespace {
-
-/// One of a bounded number of places, held while it lives.
-class Place {
- public:
-  explicit Place(std::atomic<std::ptrdiff_t>& free) : free_(free), held_(free.fetch_sub(1) > 0) {}
-  ~Place() { free_.fetch_add(1); }
-  Place(const Place&) = delete;
-  Place& operator=(const Place&) = delete;
-  bool held() const { return held_; }
-
- private:
-  std::atomic<std::ptrdiff_t>& free_;
-  bool held_;
-};
-
-}  // namespace
-
-JobService::JobService(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, Scheduler& scheduler,
-                       std::size_t waiters)
-    : jobs_(jobs),
-      artifacts_(artifacts),
-      events_(events),
-      scheduler_(scheduler),
-      free_waiters_(static_cast<std::ptrdiff_t>(waiters)) {}
+JobService::JobService(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, Scheduler& scheduler)
+    : jobs_(jobs), artifacts_(artifacts), events_(events), scheduler_(scheduler) {}
 
 Result<Job> JobService::submit(const Submission& submission, http::BodySource& body, const RequestMark& mark) {
   if (!body.present()) {
@@ -67,17 +44,6 @@ Result<StoredInput> JobService::store_body(http::BodySource& body, std::string_v
   if (!read) return read.error();
   if ((*upload)->bytes() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
   return (*upload)->commit(key);
-}
-
-Result<Job> JobService::wait(std::string_view id, std::chrono::milliseconds at_most) {
-  const auto deadline = std::chrono::steady_clock::now() + at_most;
-  const Place place(free_waiters_);
-  JobEvents::Subscription subscription(events_, id);
-  for (;;) {
-    auto job = jobs_.find(id);
-    if (!job || ended(job->status) || !place.held()) return job;
-    if (!subscription.wait_until(deadline)) return jobs_.find(id);
-  }
 }
 
 Result<JobService::Removal> JobService::dismiss(std::string_view id) {

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <atomic>
-#include <chrono>
-#include <cstddef>
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "api/submission.hpp"
 #include "artifacts/artifact_store.hpp"
@@ -25,9 +25,7 @@ struct RequestMark {
 /// scheduler, not how answers look.
 class JobService {
  public:
-  /// @param waiters  requests that may wait for a job at once; more are answered with the state as it is,
-  ///                 so that waiting can never take all connections
-  JobService(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, Scheduler& scheduler, std::size_t waiters);
+  JobService(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, Scheduler& scheduler);
 
   /// Stores the body and queues a job; durable when the call returns.
   /// @return  length_required, empty_input, queue_full, storage_full, and what reading the body may say.
@@ -35,8 +33,10 @@ class JobService {
 
   Result<Job> find(std::string_view id) { return jobs_.find(id); }
 
-  /// The job when it has ended, or as it is when the time is over.
-  Result<Job> wait(std::string_view id, std::chrono::milliseconds at_most);
+  /// Calls the function at every change of the job, as JobEvents does.
+  std::shared_ptr<void> watch(std::string_view id, std::function<void()> wake) {
+    return events_.subscribe(id, std::move(wake));
+  }
 
   struct Removal {
     /// As it is after a dismissal, as it was before a removal.
@@ -60,7 +60,6 @@ class JobService {
   ArtifactStore& artifacts_;
   JobEvents& events_;
   Scheduler& scheduler_;
-  std::atomic<std::ptrdiff_t> free_waiters_;
 };
 
 }  // namespace surfaced::api

@@ -67,7 +67,7 @@ http::ServerLimits server_limits(const Settings& settings) {
   limits.body_bytes = settings.body_limit;
   limits.connection.head_bytes = settings.header_limit;
   limits.connection.head_time = std::chrono::seconds(settings.header_time);
-  limits.threads = settings.connections;
+  limits.connections = settings.connections;
   return limits;
 }
 
@@ -110,8 +110,7 @@ Status serve(const Settings& settings) {
   JobEvents events;
   const AttemptRunner runner({"/proc/self/exe", kAttemptCommand});
   Scheduler scheduler(**jobs, **artifacts, events, runner, {settings.workers, attempt_limits(settings)});
-  // Half of the connections may wait for jobs; the others stay free for everybody else.
-  api::JobService service(**jobs, **artifacts, events, scheduler, settings.connections / 2);
+  api::JobService service(**jobs, **artifacts, events, scheduler);
   http::Router router;
   api::add_routes(router, service, {std::chrono::seconds(settings.wait_limit), std::chrono::seconds(settings.ttl)});
   const auto server = http::Server::listen(*address, server_limits(settings), router);
@@ -124,7 +123,6 @@ Status serve(const Settings& settings) {
   while (!signals.wait(kSecondsBetweenSweeps)) remove_expired(**jobs, **artifacts);
 
   const std::chrono::seconds grace(settings.drain_time);
-  events.close();
   std::thread draining([&] { scheduler.drain(grace); });
   (*server)->stop(grace);
   draining.join();

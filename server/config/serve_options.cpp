@@ -54,7 +54,7 @@ void add_serve_options(CLI::App& command, Settings& settings) {
   add_bytes(command, "--header-limit", settings.header_limit, "Bytes of a request's line and headers", 1024);
   add_number(command, "--header-time", settings.header_time, "Seconds in which a request's headers have to arrive", 1,
              600);
-  add_number(command, "--connections", settings.connections, "Connections that are served at once", 2, 4096);
+  add_number(command, "--connections", settings.connections, "Connections at once", 2, 100000);
   add_number(command, "--job-time-limit", settings.job_time_limit, "Seconds a job may run", 1, 30 * kDay);
   add_bytes(command, "--job-memory", settings.job_memory,
             "Bytes of memory a job may use; 0: 3/4 of the machine's over the workers", 0);

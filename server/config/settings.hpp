@@ -31,8 +31,8 @@ struct Settings {
   std::uint64_t header_limit = 32 << 10;
   /// Seconds in which a whole head has to arrive.
   std::uint64_t header_time = 10;
-  /// Connections that are served at once.
-  std::uint64_t connections = 64;
+  /// Connections at once.
+  std::uint64_t connections = 2000;
 
   /// Seconds a job may run.
   std::uint64_t job_time_limit = 3600;

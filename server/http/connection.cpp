@@ -15,6 +15,7 @@
 namespace surfaced::http {
 namespace {
 
+constexpr std::string_view kHeadEnd = "\r\n\r\n";
 constexpr std::size_t kReadBytes = 16384;
 /// What is taken and dropped before a close.
 constexpr std::chrono::milliseconds kLingerTime{2000};
@@ -22,7 +23,9 @@ constexpr std::uint64_t kLingerBytes = std::uint64_t{64} << 20;
 
 }  // namespace
 
-Connection::Connection(UniqueFd fd, const ConnectionLimits& limits) : fd_(std::move(fd)), limits_(limits) {
+Connection::Connection(UniqueFd fd, const ConnectionLimits& limits)
+    // A new connection is expected to speak; a used one may stay silent for a while.
+    : fd_(std::move(fd)), limits_(limits), head_deadline_(Clock::now() + limits.head_time) {
   const int on = 1;
   // Answers are written head first, body after: without this the body waits for an acknowledgement.
   ::setsockopt(fd_.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
@@ -42,52 +45,64 @@ bool Connection::wait(short events, Clock::time_point deadline) {
   }
 }
 
-bool Connection::fill(Clock::time_point deadline) {
-  if (used_ > 0) {
-    buffer_.erase(0, used_);
-    used_ = 0;
-  }
+std::ptrdiff_t Connection::fill() {
+  buffer_.erase(0, used_);
+  used_ = 0;
+  std::array<char, kReadBytes> bytes{};
   for (;;) {
-    const std::size_t size = buffer_.size();
-    buffer_.resize(size + kReadBytes);
-    const ssize_t count = ::recv(fd_.get(), buffer_.data() + size, kReadBytes, MSG_DONTWAIT);
-    buffer_.resize(size + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-    if (count > 0) return true;
-    if (count == 0 || (errno != EAGAIN && errno != EINTR) || !wait(POLLIN, deadline)) return false;
+    const ssize_t count = ::recv(fd_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return errno == EAGAIN ? -1 : 0;
+    buffer_.append(bytes.data(), static_cast<std::size_t>(count));
+    return count;
   }
 }
 
-Result<std::optional<std::string>> Connection::read_head() {
-  too_slow_ = false;
-  const std::string_view kEnd = "\r\n\r\n";
-  // A new connection is expected to speak; a used one may stay silent for a while.
-  if (used_ == buffer_.size() && !fill(Clock::now() + (fresh_ ? limits_.head_time : limits_.idle_time))) {
-    return std::optional<std::string>();
+std::optional<Error> Connection::head_too_large() const {
+  const std::string_view unread = std::string_view(buffer_).substr(used_);
+  if (std::min(unread.find("\r\n"), unread.size()) > limits_.request_line_bytes) {
+    return Error{ErrorCode::uri_too_long,
+                 "the request line is longer than " + std::to_string(limits_.request_line_bytes) + " bytes"};
   }
-  fresh_ = false;
-  const auto deadline = Clock::now() + limits_.head_time;
-  for (std::size_t searched = 0;;) {
+  if (std::min(unread.find(kHeadEnd, searched_), unread.size()) > limits_.head_bytes) {
+    return Error{ErrorCode::headers_too_large,
+                 "request line and headers are longer than " + std::to_string(limits_.head_bytes) + " bytes"};
+  }
+  return std::nullopt;
+}
+
+Connection::Arrival Connection::take_head() {
+  for (;;) {
     const std::string_view unread = std::string_view(buffer_).substr(used_);
-    const std::size_t end = unread.find(kEnd, searched);
-    if (std::min(unread.find("\r\n"), unread.size()) > limits_.request_line_bytes) {
-      return Error{ErrorCode::uri_too_long,
-                   "the request line is longer than " + std::to_string(limits_.request_line_bytes) + " bytes"};
+    if (!unread.empty() && !head_begun_) {
+      head_begun_ = true;
+      head_deadline_ = Clock::now() + limits_.head_time;
     }
-    if (std::min(end, unread.size()) > limits_.head_bytes) {
-      return Error{ErrorCode::headers_too_large,
-                   "request line and headers are longer than " + std::to_string(limits_.head_bytes) + " bytes"};
-    }
+    if (auto error = head_too_large()) return Result<std::string>(std::move(*error));
+    const std::size_t end = unread.find(kHeadEnd, searched_);
     if (end != unread.npos) {
-      std::string head(unread.substr(0, end + kEnd.size()));
+      std::string head(unread.substr(0, end + kHeadEnd.size()));
       used_ += head.size();
-      return std::optional(std::move(head));
+      return Result<std::string>(std::move(head));
     }
-    searched = unread.size() < kEnd.size() ? 0 : unread.size() - kEnd.size() + 1;
-    if (fill(deadline)) continue;
-    if (!too_slow_) return std::optional<std::string>();
-    return Error{ErrorCode::request_timeout,
-                 "the headers did not arrive within " + std::to_string(limits_.head_time.count()) + " ms"};
+    searched_ = unread.size() < kHeadEnd.size() ? 0 : unread.size() - kHeadEnd.size() + 1;
+    const std::ptrdiff_t count = fill();
+    if (count == 0) return Closed{};
+    if (count < 0) return Incomplete{};
   }
+}
+
+std::optional<Error> Connection::head_overdue() const {
+  if (!head_begun_) return std::nullopt;
+  return Error{ErrorCode::request_timeout,
+               "the headers did not arrive within " + std::to_string(limits_.head_time.count()) + " ms"};
+}
+
+void Connection::expect_head() {
+  too_slow_ = false;
+  head_begun_ = false;
+  searched_ = 0;
+  head_deadline_ = Clock::now() + limits_.idle_time;
 }
 
 void Connection::begin_transfer() {
@@ -101,35 +116,51 @@ Connection::Clock::time_point Connection::transfer_deadline() const {
 }
 
 std::ptrdiff_t Connection::read(char* bytes, std::size_t size) {
-  if (used_ == buffer_.size() && !fill(transfer_deadline())) return too_slow_ ? -1 : 0;
-  const std::size_t count = std::min(size, buffer_.size() - used_);
+  while (used_ == buffer_.size()) {
+    const std::ptrdiff_t count = fill();
+    if (count == 0) return 0;
+    if (count < 0 && !wait(POLLIN, transfer_deadline())) return too_slow_ ? -1 : 0;
+  }
+  const std::size_t count = std::min(size, buffered());
   std::memcpy(bytes, buffer_.data() + used_, count);
   used_ += count;
   transferred_ += count;
   return static_cast<std::ptrdiff_t>(count);
 }
 
-std::ptrdiff_t Connection::write(const char* bytes, std::size_t size) {
+std::ptrdiff_t Connection::try_send(const char* bytes, std::size_t size) {
   for (;;) {
     const ssize_t count = ::send(fd_.get(), bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (count >= 0) {
-      transferred_ += static_cast<std::uint64_t>(count);
-      return count;
-    }
-    if ((errno != EAGAIN && errno != EINTR) || !wait(POLLOUT, transfer_deadline())) return -1;
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return errno == EAGAIN ? 0 : -1;
+    transferred_ += static_cast<std::uint64_t>(count);
+    return count;
   }
 }
 
-void Connection::close_after_draining() {
-  ::shutdown(fd_.get(), SHUT_WR);
-  const auto deadline = Clock::now() + kLingerTime;
-  std::array<char, kReadBytes> dropped{};
-  for (std::uint64_t total = 0; total < kLingerBytes && wait(POLLIN, deadline);) {
-    const ssize_t count = ::recv(fd_.get(), dropped.data(), dropped.size(), MSG_DONTWAIT);
-    if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) break;
-    total += static_cast<std::uint64_t>(std::max<ssize_t>(count, 0));
+bool Connection::write(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const std::ptrdiff_t count = try_send(bytes.data(), bytes.size());
+    if (count < 0 || (count == 0 && !wait(POLLOUT, transfer_deadline()))) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
   }
-  fd_.reset();
+  return true;
+}
+
+void Connection::begin_linger() {
+  ::shutdown(fd_.get(), SHUT_WR);
+  linger_deadline_ = Clock::now() + kLingerTime;
+}
+
+bool Connection::drop_arrived() {
+  std::array<char, kReadBytes> bytes{};
+  while (dropped_ < kLingerBytes) {
+    const ssize_t count = ::recv(fd_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return count < 0 && errno == EAGAIN;
+    dropped_ += static_cast<std::uint64_t>(count);
+  }
+  return false;
 }
 
 std::string Connection::remote_address() const {

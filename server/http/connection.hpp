@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "base/base.hpp"
 #include "platform/unique_fd.hpp"
@@ -26,49 +27,78 @@ struct ConnectionLimits {
   std::uint64_t body_rate = 4096;
 };
 
-/// A socket with a buffer, and a deadline for everything that waits for the other side.
+/// A socket with a buffer. What waits for the client's head is done step by step by whoever has the time
+/// (take_head, try_send, drop_arrived never block); only the body of a request is waited for, at a minimum pace.
 class Connection {
  public:
   using Clock = std::chrono::steady_clock;
 
   Connection(UniqueFd fd, const ConnectionLimits& limits);
 
-  /// The next head, up to and with its empty line; none if the client closed or stayed silent.
-  /// Errors: uri_too_long, headers_too_large, request_timeout.
-  Result<std::optional<std::string>> read_head();
+  /// What has arrived of the next head.
+  struct Incomplete {};
+  /// The client has closed, or is gone.
+  struct Closed {};
+  using Arrival = std::variant<Incomplete, Closed, Result<std::string>>;
+  /// The next head, up to and with its empty line, as soon as it is there.
+  /// Errors: uri_too_long, headers_too_large.
+  Arrival take_head();
+
+  /// When the client must have sent its next head; later with its first byte.
+  Clock::time_point head_deadline() const { return head_deadline_; }
+  /// The answer to a head that began and did not end in time; none if it did not begin: then the connection is
+  /// closed in silence.
+  std::optional<Error> head_overdue() const;
+  /// An answer has been written: the next head is waited for from now.
+  void expect_head();
 
   /// Reads up to `size` bytes that follow the head; 0 at the end of the stream, -1 when the client is
   /// too slow or gone.
   std::ptrdiff_t read(char* bytes, std::size_t size);
+  /// Bytes that follow the head and are here already.
+  std::size_t buffered() const { return buffer_.size() - used_; }
 
-  /// Writes up to `size` bytes; -1 when the client is too slow or gone.
-  std::ptrdiff_t write(const char* bytes, std::size_t size);
+  /// Writes all bytes; false when the client is too slow or gone.
+  bool write(std::string_view bytes);
+  /// Writes what the socket takes now; -1 when the client is gone.
+  std::ptrdiff_t try_send(const char* bytes, std::size_t size);
 
   /// A body, or a response, begins: its pace counts from now.
   void begin_transfer();
+  /// When the client has to have taken or sent more than it has.
+  Clock::time_point transfer_deadline() const;
   /// The last read or write failed because the client was too slow.
   bool too_slow() const { return too_slow_; }
 
-  /// Takes what the client still sends, for a short time, so that it sees the answer before the reset.
-  void close_after_draining();
+  /// No answer follows; what the client still sends is to be dropped for a while, so that it sees the answer
+  /// before the reset.
+  void begin_linger();
+  Clock::time_point linger_deadline() const { return linger_deadline_; }
+  /// False once nothing more is to be waited for.
+  bool drop_arrived();
 
   int descriptor() const { return fd_.get(); }
   std::string remote_address() const;
 
  private:
   bool wait(short events, Clock::time_point deadline);
-  /// Reads into the buffer; false at the end, at the deadline or after an error.
-  bool fill(Clock::time_point deadline);
-  Clock::time_point transfer_deadline() const;
+  /// Reads into the buffer what is there: the number of bytes, 0 at the end, -1 if nothing is there now.
+  std::ptrdiff_t fill();
+  std::optional<Error> head_too_large() const;
 
   UniqueFd fd_;
   const ConnectionLimits& limits_;
   std::string buffer_;
   std::size_t used_ = 0;
+  // Of the head that is on its way: up to here there is no empty line.
+  std::size_t searched_ = 0;
+  bool head_begun_ = false;
+  Clock::time_point head_deadline_;
   Clock::time_point transfer_began_;
+  Clock::time_point linger_deadline_;
   std::uint64_t transferred_ = 0;
+  std::uint64_t dropped_ = 0;
   bool too_slow_ = false;
-  bool fresh_ = true;
 };
 
 }  // namespace surfaced::http

@@ -2,8 +2,7 @@
 
 #include <httplib.h>
 
-#include <array>
-#include <iostream>
+#include <functional>
 #include <utility>
 
 #include "http/chunk_guard.hpp"
@@ -13,13 +12,12 @@
 namespace surfaced::http {
 namespace {
 
-constexpr std::size_t kSendBytes = std::size_t{64} << 10;
-
-/// What the library reads and writes: first the request that was made for it, then the client's body
-/// and no byte beyond it.
+/// What the library reads and writes: it reads the request that was made for it, then the client's body and no byte
+/// beyond it; what it writes stays in memory.
 class GuardedStream final : public httplib::Stream {
  public:
-  GuardedStream(Connection& connection, std::string head, const Framing& framing)
+  /// @param connection  where the body comes from; none if there is none
+  GuardedStream(Connection* connection, std::string head, const Framing& framing)
       : connection_(connection), head_(std::move(head)), chunked_(std::holds_alternative<ChunkedBody>(framing)) {
     if (const auto* length = std::get_if<LengthBody>(&framing)) left_ = length->bytes;
   }
@@ -40,7 +38,7 @@ class GuardedStream final : public httplib::Stream {
     }
     if (body_complete() || broken_) return broken_ ? -1 : 0;
     if (!chunked_) size = std::min<std::uint64_t>(size, left_);
-    const std::ptrdiff_t count = connection_.read(bytes, size);
+    const std::ptrdiff_t count = connection_->read(bytes, size);
     if (count <= 0) return -1;
     if (chunked_) {
       broken_ = !chunks_.accept({bytes, static_cast<std::size_t>(count)});
@@ -50,14 +48,19 @@ class GuardedStream final : public httplib::Stream {
     return broken_ ? -1 : count;
   }
 
-  ssize_t write(const char* bytes, std::size_t size) override { return connection_.write(bytes, size); }
+  ssize_t write(const char* bytes, std::size_t size) override {
+    written_.append(bytes, size);
+    return static_cast<ssize_t>(size);
+  }
 
   bool body_complete() const { return chunked_ ? chunks_.complete() : left_ == 0; }
   bool broken() const { return broken_; }
+  std::string take_written() { return std::move(written_); }
 
  private:
-  Connection& connection_;
+  Connection* connection_;
   std::string head_;
+  std::string written_;
   std::size_t head_read_ = 0;
   bool chunked_;
   std::uint64_t left_ = 0;
@@ -68,8 +71,9 @@ class GuardedStream final : public httplib::Stream {
 /// The body of the request that is being answered.
 class GuardedBody final : public BodySource {
  public:
-  GuardedBody(Connection& connection, GuardedStream& stream, const RequestHead& head, std::uint64_t limit)
-      : connection_(connection), stream_(stream), head_(head), limit_(limit) {}
+  GuardedBody(Connection& connection, GuardedStream& stream, const RequestHead& head, std::uint64_t limit,
+              BodyPlaces& places)
+      : connection_(connection), stream_(stream), head_(head), limit_(limit), places_(places) {}
 
   bool present() const override { return !std::holds_alternative<NoBody>(head_.framing); }
 
@@ -83,8 +87,14 @@ class GuardedBody final : public BodySource {
   Status read(const Sink& sink) override {
     if (length().value_or(0) > limit_) return too_large("Content-Length is " + std::to_string(*length()));
     if (!present() || reader_ == nullptr) return Done{};
+    // What is here already takes nobody's time.
+    std::optional<Result<BodyPlaces::Place>> place;
+    if (!length() || *length() > connection_.buffered()) place.emplace(places_.take(connection_.remote_address()));
+    if (place && !place->ok()) return place->error();
     connection_.begin_transfer();
-    if (head_.expects_continue) stream_.httplib::Stream::write("HTTP/1.1 100 Continue\r\n\r\n");
+    if (head_.expects_continue && !connection_.write("HTTP/1.1 100 Continue\r\n\r\n")) {
+      return Error{ErrorCode::request_timeout, "the client did not take the invitation to send its body"};
+    }
     Status result = Done{};
     std::uint64_t total = 0;
     const bool read = (*reader_)([&](const char* bytes, std::size_t size) {
@@ -112,60 +122,36 @@ class GuardedBody final : public BodySource {
   GuardedStream& stream_;
   const RequestHead& head_;
   const std::uint64_t limit_;
+  BodyPlaces& places_;
   const httplib::ContentReader* reader_ = nullptr;
 };
 
-/// What is being answered on this thread: the library's handlers are given nothing of ours.
-struct Exchange {
-  const Router& router;
-  Connection& connection;
-  GuardedStream& stream;
-  GuardedBody& body;
-  Request request;
-  /// Set if the head was refused.
-  std::optional<Error> refusal;
+/// What the library is used for on this thread: its handlers are given nothing of ours.
+struct Use {
+  Exchange& exchange;
+  const GuardedStream& stream;
+  /// For reading a request.
+  GuardedBody* body = nullptr;
+  std::function<Response()> handle;
+  Response response{};
   bool close = false;
-  /// The request came too slowly.
-  bool too_slow = false;
 };
-thread_local Exchange* current = nullptr;
+thread_local Use* current = nullptr;
 
-void copy_body(Response& from, httplib::Response& to) {
-  if (auto* text = std::get_if<std::string>(&from.body)) {
-    to.body = std::move(*text);
-    return;
-  }
-  auto stream = std::get<BodyStream>(std::move(from.body));
-  // The library does not take a provider of nothing.
-  if (stream.length == 0) return;
-  const auto length = static_cast<std::size_t>(stream.length);
-  to.set_content_provider(
-      length, from.content_type,
-      [read = std::move(stream.read)](std::size_t offset, std::size_t left, httplib::DataSink& sink) {
-        std::vector<std::byte> buffer(std::min(left, kSendBytes));
-        const auto count = read(offset, buffer);
-        // The head is sent, so a failure can only be shown by breaking off.
-        if (!count || *count == 0) return false;
-        return sink.write(reinterpret_cast<const char*>(buffer.data()), *count);
-      });
-}
-
-void answer(httplib::Response& to) {
-  Exchange& exchange = *current;
-  Response response = exchange.refusal ? problem_response(*exchange.refusal, exchange.request)
-                                       : exchange.router.handle(exchange.request);
-  // The client's pace counts anew: what the handler took (it may have waited for a job) is not its time.
-  exchange.too_slow |= exchange.connection.too_slow();
-  exchange.connection.begin_transfer();
+/// Hands the answer to the library, but for streams, of which it only writes the head.
+void show(Response& response, httplib::Response& to) {
+  Exchange& exchange = current->exchange;
   to.status = response.status;
   for (const auto& [name, value] : response.headers) to.set_header(name, value);
   to.set_header("X-Request-Id", exchange.request.request_id);
   to.set_header("X-Content-Type-Options", "nosniff");
-  copy_body(response, to);
-  if (!response.content_type.empty()) {
-    to.headers.erase("Content-Type");
-    to.set_header("Content-Type", response.content_type);
-  }
+  if (auto* text = std::get_if<std::string>(&response.body)) to.body = std::move(*text);
+  if (!response.content_type.empty()) to.set_header("Content-Type", response.content_type);
+}
+
+void answer(httplib::Response& to) {
+  current->response = current->handle();
+  if (!current->response.later) show(current->response, to);
 }
 
 /// Runs after the library has added its own headers, twice.
@@ -173,6 +159,10 @@ void finish_headers(httplib::Response& to) {
   to.headers.erase("Keep-Alive");
   to.headers.erase("Connection");
   if (current->close || !current->stream.body_complete()) to.set_header("Connection", "close");
+  if (const auto* stream = std::get_if<BodyStream>(&current->response.body)) {
+    to.headers.erase("Content-Length");
+    to.set_header("Content-Length", std::to_string(stream->length));
+  }
   if (to.status == 304 || to.status == 204) to.headers.erase("Content-Length");
 }
 
@@ -191,6 +181,14 @@ std::string head_for_library(const RequestHead& head) {
   return text + "\r\n";
 }
 
+/// Moves what the library wrote, and the stream behind it, into the exchange.
+void take_answer(Exchange& exchange, Use& use, GuardedStream& stream) {
+  exchange.status = use.response.status;
+  exchange.bytes = stream.take_written();
+  auto* body = std::get_if<BodyStream>(&use.response.body);
+  if (body != nullptr && body->length > 0 && exchange.request.method != "HEAD") exchange.stream = std::move(*body);
+}
+
 }  // namespace
 
 class Engine::Library final : public httplib::Server {
@@ -201,7 +199,7 @@ class Engine::Library final : public httplib::Server {
     fill_tables();
     Get("/", [](const httplib::Request&, httplib::Response& to) { answer(to); });
     Post("/", [](const httplib::Request&, httplib::Response& to, const httplib::ContentReader& reader) {
-      current->body.use(&reader);
+      current->body->use(&reader);
       answer(to);
     });
     set_post_routing_handler([](const httplib::Request&, httplib::Response& to) { finish_headers(to); });
@@ -212,51 +210,75 @@ class Engine::Library final : public httplib::Server {
     });
   }
 
-  bool run(httplib::Stream& stream) {
+  bool run(Use& use, httplib::Stream& stream) {
+    current = &use;
     bool closed = false;
-    return process_request(stream, false, closed, nullptr);
+    const bool written = process_request(stream, false, closed, nullptr);
+    current = nullptr;
+    return written;
   }
 
  private:
   /// The library fills static tables at its first request. That is safe in threads, but the thread
   /// sanitizer cannot see it through a library it has not compiled; so the first request is ours.
   void fill_tables() {
-    httplib::detail::BufferStream stream;
-    stream.httplib::Stream::write("GET / HTTP/1.1\r\n\r\n");
-    run(stream);
+    Exchange exchange;
+    GuardedStream stream(nullptr, "GET / HTTP/1.1\r\n\r\n", NoBody{});
+    Use use{exchange, stream, nullptr, [] { return Response(); }};
+    run(use, stream);
   }
 };
 
-Engine::Engine(const Router& router, std::uint64_t body_limit)
-    : router_(router), body_limit_(body_limit), library_(std::make_unique<Library>()) {}
+Engine::Engine(const Router& router, std::uint64_t body_limit, BodyPlaces& places)
+    : router_(router), body_limit_(body_limit), places_(places), library_(std::make_unique<Library>()) {}
 
 Engine::~Engine() = default;
 
-After Engine::exchange(Connection& connection, const Result<RequestHead>& head) {
+Exchange Engine::exchange(Connection& connection, const Result<RequestHead>& head) {
   const RequestHead nothing{"GET", {}, {}, {}, NoBody{}, true, false};
   const RequestHead& shown = head ? *head : nothing;
-  GuardedStream stream(connection, head_for_library(shown), shown.framing);
-  GuardedBody body(connection, stream, shown, body_limit_);
-  Exchange exchange{router_, connection, stream, body, {}, {}, shown.close, connection.too_slow()};
-  exchange.request.method = shown.method;
-  exchange.request.path = shown.path;
-  exchange.request.headers = shown.headers;
-  exchange.request.remote_address = connection.remote_address();
-  exchange.request.request_id = random_hex<12>();
-  exchange.request.body = &body;
-  if (auto query = parse_query(shown.query)) {
-    exchange.request.query = std::move(*query);
+  Exchange exchange;
+  exchange.began = std::chrono::steady_clock::now();
+  GuardedStream stream(&connection, head_for_library(shown), shown.framing);
+  GuardedBody body(connection, stream, shown, body_limit_, places_);
+  Request& request = exchange.request;
+  request.method = shown.method;
+  request.path = shown.path;
+  request.headers = shown.headers;
+  request.remote_address = connection.remote_address();
+  request.request_id = random_hex<12>();
+  request.body = &body;
+  auto query = parse_query(shown.query);
+  Use use{exchange, stream, &body, [&] {
+            if (!head) return problem_response(head.error(), request);
+            if (!query) return problem_response(query.error(), request);
+            request.query = std::move(*query);
+            return router_.handle(request);
+          }};
+  use.close = shown.close;
+  const bool understood = library_->run(use, stream);
+  request.body = nullptr;
+  if (!understood || connection.too_slow()) {
+    // Who was too slow has nothing on its way that is worth waiting for.
+    exchange.after = After::close;
+  } else if (!head || !stream.body_complete()) {
+    exchange.after = After::drain;
   } else {
-    exchange.refusal = query.error();
+    exchange.after = shown.close ? After::close : After::keep;
   }
-  if (!head) exchange.refusal = head.error();
-  current = &exchange;
-  const bool written = library_->run(stream);
-  current = nullptr;
-  // Who was too slow has nothing on its way that is worth a thread.
-  if (!written || exchange.too_slow || connection.too_slow()) return After::close;
-  if (!head || !stream.body_complete()) return After::drain;
-  return exchange.close ? After::close : After::keep;
+  exchange.later = use.response.later;
+  if (!exchange.later) take_answer(exchange, use, stream);
+  return exchange;
+}
+
+void Engine::finish(Exchange& exchange, Response response) {
+  GuardedStream stream(
+      nullptr, exchange.request.method == "HEAD" ? "HEAD / HTTP/1.1\r\n\r\n" : "GET / HTTP/1.1\r\n\r\n", NoBody{});
+  Use use{exchange, stream, nullptr, [&] { return std::move(response); }};
+  use.close = exchange.after != After::keep;
+  library_->run(use, stream);
+  exchange.later.reset();
+  take_answer(exchange, use, stream);
 }
 
 }  // namespace surfaced::http

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "base/base.hpp"
+#include "http/body_places.hpp"
 #include "http/connection.hpp"
 #include "http/request_head.hpp"
 #include "http/router.hpp"
@@ -17,6 +21,20 @@ enum class After : std::uint8_t {
   close,
   /// Close it, but the client may still be sending what nobody reads.
   drain,
+};
+
+/// A request that is being answered, and its answer.
+struct Exchange {
+  Request request;
+  /// Set instead of an answer while that is not known.
+  std::shared_ptr<const Later> later;
+  /// The answer: bytes, and for outputs a stream behind them.
+  int status = 0;
+  std::string bytes;
+  std::optional<BodyStream> stream;
+  /// When both are written.
+  After after = After::close;
+  std::chrono::steady_clock::time_point began;
 };
 
 /// The one place where cpp-httplib is used (engine.cpp): it decodes the bodies of requests and writes
@@ -38,23 +56,30 @@ enum class After : std::uint8_t {
 ///   an exception's text leaks in a header           the router catches; so does this engine
 ///   accept() without CLOEXEC, SO_REUSEPORT,         http/server.hpp listens and accepts itself
 ///     backlog 5, an unbounded queue
-///   select() and FD_SETSIZE                         poll in Connection
+///   select() and FD_SETSIZE                         epoll in http/lobby.hpp, poll in Connection
+///   a client that takes its answer slowly holds     the library writes into memory, and of outputs only the head
+///     a thread
 class Engine {
  public:
   /// @param body_limit  decoded bytes of a request's body
-  Engine(const Router& router, std::uint64_t body_limit);
+  /// @param places      for bodies that are on their way
+  Engine(const Router& router, std::uint64_t body_limit, BodyPlaces& places);
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
-  /// Answers one request whose head was read from the connection; an error in its place is answered as
-  /// a problem.
-  After exchange(Connection& connection, const Result<RequestHead>& head);
+  /// Reads the body of a request and calls its handler; an error in place of the head is answered as a problem.
+  /// The connection is only read from.
+  Exchange exchange(Connection& connection, const Result<RequestHead>& head);
+
+  /// Puts the answer that was waited for into the exchange.
+  void finish(Exchange& exchange, Response response);
 
  private:
   class Library;
   const Router& router_;
   const std::uint64_t body_limit_;
+  BodyPlaces& places_;
   std::unique_ptr<Library> library_;
 };
 

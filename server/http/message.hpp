@@ -1,10 +1,12 @@
 // Requests and responses as the handlers see them. Nothing here knows the library that speaks HTTP.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -66,6 +68,9 @@ struct Request {
   std::map<std::string, std::string, std::less<>> path_parts;
   std::string remote_address;
   std::string request_id;
+  /// Pattern of the route that was taken; empty if there is none.
+  std::string route;
+  /// Gone once the handler has returned.
   BodySource* body = nullptr;
 };
 
@@ -75,11 +80,26 @@ struct BodyStream {
   std::function<Result<std::size_t>(std::uint64_t offset, std::span<std::byte> buffer)> read;
 };
 
+struct Later;
+
 struct Response {
   int status = 200;
   Headers headers;
   std::string content_type;
   std::variant<std::string, BodyStream> body;
+  /// Set if the answer is not known yet: then nothing else here counts.
+  std::shared_ptr<const Later> later;
+};
+
+/// An answer that is waited for. The request holds no thread meanwhile.
+struct Later {
+  std::chrono::steady_clock::time_point deadline;
+  /// From now on calls the function, on any thread, whenever the answer may have become known, until the returned
+  /// object is gone. The function returns at once and takes no lock of the caller's.
+  std::function<std::shared_ptr<void>(std::function<void()> wake)> subscribe;
+  /// The answer, if it is known. Called after `subscribe`, after every wake, and, with `last`, at the deadline
+  /// or when the server stops: then it answers in any case.
+  std::function<std::optional<Response>(bool last)> look;
 };
 
 }  // namespace surfaced::http

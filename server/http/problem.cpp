@@ -58,7 +58,8 @@ Json problem_json(const Error& error, std::string_view instance, std::string_vie
 Response problem_response(const Error& error, const Request& request) {
   Response response = json_response(status_of(error.code), problem_json(error, request.path, request.request_id));
   response.content_type = "application/problem+json";
-  if (response.status == 503) response.headers.add("Retry-After", std::string(kRetryAfter));
+  if (response.status == 503 || response.status == 429 || response.status == 507)
+    response.headers.add("Retry-After", std::string(kRetryAfter));
   return response;
 }
 

@@ -33,7 +33,7 @@ bool matches(const std::vector<std::string>& pattern, const std::vector<std::str
 }  // namespace
 
 void Router::add(std::string method, std::string_view pattern, Handler handler) {
-  routes_.push_back({std::move(method), split(pattern), std::move(handler)});
+  routes_.push_back({std::move(method), std::string(pattern), split(pattern), std::move(handler)});
 }
 
 Response Router::handle(Request& request) const {
@@ -57,6 +57,7 @@ Response Router::dispatch(Request& request) const {
       allowed += (allowed.empty() ? "" : ", ") + route.method + (route.method == "GET" ? ", HEAD" : "");
       continue;
     }
+    request.route = route.pattern;
     for (std::size_t i = 0; i < parts.size(); ++i) {
       if (!is_variable(route.parts[i])) continue;
       auto decoded = percent_decode(parts[i], false);

@@ -2,8 +2,6 @@
 
 #include <netdb.h>
 #include <netinet/in.h>
-#include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
 
 #include <array>
@@ -12,16 +10,12 @@
 #include <exception>
 #include <iostream>
 
-#include "http/problem.hpp"
 #include "platform/files.hpp"
-#include "platform/random.hpp"
 
 namespace surfaced::http {
 namespace {
 
 constexpr int kBacklog = 511;
-/// When descriptors run out, accepting again at once would only spin.
-constexpr std::chrono::milliseconds kPauseWithoutDescriptors{50};
 
 struct FreeAddresses {
   void operator()(addrinfo* list) const { ::freeaddrinfo(list); }
@@ -64,8 +58,8 @@ Result<Address> parse_address(std::string_view text) {
   return address;
 }
 
-Result<std::unique_ptr<Server>> Server::listen(const Address& address, const ServerLimits& limits,
-                                               const Router& router) {
+Result<std::unique_ptr<Server>> Server::listen(const Address& address, const ServerLimits& limits, const Router& router,
+                                               Observer observer) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
@@ -75,14 +69,17 @@ Result<std::unique_ptr<Server>> Server::listen(const Address& address, const Ser
   const std::unique_ptr<addrinfo, FreeAddresses> found(list);
   auto bound = bind_to(*list, address);
   if (!bound) return bound.error();
-  return std::unique_ptr<Server>(new Server(std::move(*bound), limits, router));
+  return std::unique_ptr<Server>(new Server(std::move(*bound), limits, router, std::move(observer)));
 }
 
-Server::Server(UniqueFd listener, const ServerLimits& limits, const Router& router)
+Server::Server(UniqueFd listener, const ServerLimits& limits, const Router& router, Observer observer)
     : limits_(limits),
-      engine_(router, limits.body_bytes),
+      observer_(std::move(observer)),
+      places_(limits.bodies, limits.bodies_per_address),
+      engine_(router, limits.body_bytes, places_),
       listener_(std::move(listener)),
-      wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+      lobby_(listener_.get(), {limits.connection, limits.connections, limits.requests},
+             [this](std::unique_ptr<Session> session) { add(std::move(session)); }) {}
 
 Server::~Server() { stop(std::chrono::milliseconds(0)); }
 
@@ -102,122 +99,74 @@ std::string Server::url() const {
 }
 
 void Server::start() {
-  acceptor_ = std::thread([this] { accept_loop(); });
+  lobby_.start();
   for (std::size_t i = 0; i < limits_.threads; ++i) pool_.emplace_back([this] { pool_loop(); });
 }
 
-void Server::accept_loop() {
-  while (!stopping_) {
-    std::array<pollfd, 2> fds{{{listener_.get(), POLLIN, 0}, {wake_.get(), POLLIN, 0}}};
-    ::poll(fds.data(), fds.size(), -1);
-    if (stopping_) return;
-    UniqueFd client(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-    if (client) {
-      take(std::move(client));
-    } else if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
-      std::this_thread::sleep_for(kPauseWithoutDescriptors);
-    }
-  }
+void Server::add(std::unique_ptr<Session> session) {
+  const std::scoped_lock lock(mutex_);
+  if (ended_) return;
+  ready_.push_back(std::move(session));
+  work_.notify_one();
 }
 
-void Server::take(UniqueFd client) {
-  {
-    const std::scoped_lock lock(mutex_);
-    if (queue_.size() < limits_.waiting) {
-      queue_.push_back(std::move(client));
-      work_.notify_one();
-      return;
-    }
-  }
-  turn_away(std::move(client));
-}
-
-void Server::turn_away(UniqueFd client) {
-  const Error error{ErrorCode::not_ready, "all connections of the server are taken"};
-  const std::string id = random_hex<12>();
-  const std::string body = text_of(problem_json(error, {}, id));
-  const std::string answer =
-      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nContent-Length: " +
-      std::to_string(body.size()) + "\r\nConnection: close\r\nRetry-After: 1\r\nX-Request-Id: " + id + "\r\n\r\n" +
-      body;
-  // What has arrived is taken first, or the close would reset the connection before the answer is read.
-  std::array<char, 16384> dropped{};
-  while (::recv(client.get(), dropped.data(), dropped.size(), MSG_DONTWAIT) > 0) {
-  }
-  [[maybe_unused]] const ssize_t sent = ::send(client.get(), answer.data(), answer.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-  ::shutdown(client.get(), SHUT_WR);
+std::unique_ptr<Session> Server::next() {
+  std::unique_lock lock(mutex_);
+  work_.wait(lock, [&] { return ended_ || !ready_.empty(); });
+  if (ended_) return nullptr;
+  std::unique_ptr<Session> session = std::move(ready_.front());
+  ready_.pop_front();
+  busy_.emplace(session->id(), session->descriptor());
+  return session;
 }
 
 void Server::pool_loop() {
-  for (;;) {
-    UniqueFd client;
-    {
-      std::unique_lock lock(mutex_);
-      work_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
-      if (stopping_) return;
-      client = std::move(queue_.front());
-      queue_.pop_front();
-    }
-    const int descriptor = client.get();
-    Connection connection(std::move(client), limits_.connection);
-    After after = After::close;
+  while (std::unique_ptr<Session> session = next()) {
+    const std::uint64_t id = session->id();
     try {
-      after = serve(connection);
+      work_on(std::move(session));
     } catch (const std::exception& failure) {
       // Memory ran out outside of a handler: this connection ends, the others go on.
       std::cerr << "connection: " << failure.what() << std::endl;
     }
-    mark(descriptor, Phase::gone);
-    if (after == After::drain && !stopping_) connection.close_after_draining();
-  }
-}
-
-After Server::serve(Connection& connection) {
-  for (std::size_t left = limits_.requests; left > 0; --left) {
-    mark(connection.descriptor(), Phase::idle);
-    const auto text = connection.read_head();
-    if (text && !text->has_value()) return After::close;
-    mark(connection.descriptor(), Phase::busy);
-    auto head = text ? parse_head(**text) : Result<RequestHead>(text.error());
-    if (head && (left == 1 || stopping_)) head->close = true;
-    const After after = engine_.exchange(connection, head);
-    if (after != After::keep) return after;
-  }
-  return After::close;
-}
-
-void Server::mark(int descriptor, Phase phase) {
-  const std::scoped_lock lock(mutex_);
-  if (phase == Phase::gone) {
-    active_.erase(descriptor);
+    const std::scoped_lock lock(mutex_);
+    busy_.erase(id);
     idle_.notify_all();
-    return;
   }
-  active_[descriptor] = phase;
-  // Whoever begins to wait after `stop` has looked would wait in vain.
-  if (phase == Phase::idle && stopping_) ::shutdown(descriptor, SHUT_RD);
+}
+
+void Server::work_on(std::unique_ptr<Session> session) {
+  const auto ring = [this](std::uint64_t id) { lobby_.ring(id); };
+  Session::Step step = session->work(engine_, ring, stopping_);
+  if (observer_) {
+    if (const auto answered = session->take_answered()) observer_(*answered);
+  }
+  if (step == Session::Step::waits) {
+    lobby_.enter(std::move(session));
+  } else if (step == Session::Step::ready) {
+    // The next request of this client waits behind those of others.
+    add(std::move(session));
+  }
 }
 
 void Server::stop(std::chrono::milliseconds grace) {
-  {
-    const std::scoped_lock lock(mutex_);
-    if (stopping_.exchange(true)) return;
-    queue_.clear();
-    ::eventfd_write(wake_.get(), 1);
-    work_.notify_all();
-  }
-  if (acceptor_.joinable()) acceptor_.join();
-  listener_.reset();
+  if (stopping_.exchange(true)) return;
+  lobby_.close();
   {
     std::unique_lock lock(mutex_);
-    for (const auto& [descriptor, phase] : active_) {
-      if (phase == Phase::idle) ::shutdown(descriptor, SHUT_RD);
-    }
-    idle_.wait_for(lock, grace, [&] { return active_.empty(); });
-    for (const auto& [descriptor, phase] : active_) ::shutdown(descriptor, SHUT_RDWR);
+    const auto deadline = std::chrono::steady_clock::now() + grace;
+    // Connections end on several ways, not all of which pass here.
+    constexpr std::chrono::milliseconds kLook{5};
+    while (lobby_.connections() > 0 && std::chrono::steady_clock::now() < deadline) idle_.wait_for(lock, kLook);
+    ended_ = true;
+    ready_.clear();
+    for (const auto& [id, descriptor] : busy_) ::shutdown(descriptor, SHUT_RDWR);
+    work_.notify_all();
   }
   for (std::thread& thread : pool_) thread.join();
   pool_.clear();
+  lobby_.stop();
+  listener_.reset();
 }
 
 }  // namespace surfaced::http

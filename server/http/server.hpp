@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -15,6 +16,7 @@
 #include "base/base.hpp"
 #include "http/connection.hpp"
 #include "http/engine.hpp"
+#include "http/lobby.hpp"
 #include "platform/unique_fd.hpp"
 
 namespace surfaced::http {
@@ -30,21 +32,35 @@ Result<Address> parse_address(std::string_view text);
 struct ServerLimits {
   ConnectionLimits connection;
   std::uint64_t body_bytes = std::uint64_t{4} << 30;
-  /// Connections that are served at once.
+  /// Connections at once.
+  std::size_t connections = 2000;
+  /// Requests that are worked on at once.
   std::size_t threads = 64;
-  /// Connections that wait for a thread; more are answered 503.
-  std::size_t waiting = 256;
+  /// Bodies that are received at once, in all and from one address (0: no limit). Fewer than threads, so that
+  /// some are free whatever clients do.
+  std::size_t bodies = 48;
+  std::size_t bodies_per_address = 0;
   /// Requests on one connection.
   std::size_t requests = 1000;
 };
 
-/// Listens, accepts and gives connections to a pool of threads. A connection holds its thread from its
-/// first byte to its last; both the threads and the connections that wait are bounded.
+/// What the server tells of itself.
+struct ServerState {
+  std::size_t connections = 0;
+  /// Connections that found no place, or lost theirs to another one.
+  std::uint64_t turned_away = 0;
+};
+
+/// Listens, and gives requests to a pool of threads once their head is there (lobby.hpp). A thread is held while a
+/// body arrives, for which there are places, and while a handler works, which does not wait for anybody.
 class Server {
  public:
+  /// Told of every request once its answer is known, on the thread that worked on it; must not throw.
+  using Observer = std::function<void(const Exchange& answered)>;
+
   /// Binds and listens; port 0 takes a free one. invalid_usage if the address cannot be had.
   static Result<std::unique_ptr<Server>> listen(const Address& address, const ServerLimits& limits,
-                                                const Router& router);
+                                                const Router& router, Observer observer = {});
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -54,33 +70,33 @@ class Server {
 
   void start();
 
-  /// Accepts no more, lets running exchanges end for this long, then cuts them off.
+  /// Accepts no more, answers what has arrived and whoever waits for an answer, for this long; then cuts off the rest.
   void stop(std::chrono::milliseconds grace);
 
- private:
-  /// Waiting for a request, answering one, or about to be closed.
-  enum class Phase : std::uint8_t { idle, busy, gone };
+  ServerState state() const { return {lobby_.connections(), lobby_.turned_away()}; }
 
-  Server(UniqueFd listener, const ServerLimits& limits, const Router& router);
-  void accept_loop();
+ private:
+  Server(UniqueFd listener, const ServerLimits& limits, const Router& router, Observer observer);
   void pool_loop();
-  void take(UniqueFd client);
-  After serve(Connection& connection);
-  void mark(int descriptor, Phase phase);
-  static void turn_away(UniqueFd client);
+  std::unique_ptr<Session> next();
+  void work_on(std::unique_ptr<Session> session);
+  void add(std::unique_ptr<Session> session);
 
   const ServerLimits limits_;
+  const Observer observer_;
+  BodyPlaces places_;
   Engine engine_;
   UniqueFd listener_;
-  UniqueFd wake_;
+  Lobby lobby_;
   std::mutex mutex_;
   std::condition_variable work_;
   std::condition_variable idle_;
-  std::deque<UniqueFd> queue_;
-  /// By descriptor, the connections that hold a thread.
-  std::map<int, Phase> active_;
+  /// Bounded by the number of connections.
+  std::deque<std::unique_ptr<Session>> ready_;
+  /// Sessions that threads work on, with their descriptors.
+  std::map<std::uint64_t, int> busy_;
   std::atomic<bool> stopping_ = false;
-  std::thread acceptor_;
+  bool ended_ = false;
   std::vector<std::thread> pool_;
 };
 

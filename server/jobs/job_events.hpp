@@ -1,8 +1,7 @@
 #pragma once
 
-#include <chrono>
-#include <condition_variable>
-#include <cstdint>
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -14,37 +13,15 @@ namespace surfaced {
 /// store knows. A waiter subscribes before it looks at the job, so that no change falls between.
 class JobEvents {
  public:
-  class Subscription {
-   public:
-    Subscription(JobEvents& events, std::string_view job);
-    ~Subscription();
-    Subscription(const Subscription&) = delete;
-    Subscription& operator=(const Subscription&) = delete;
-
-    /// Waits for a change since the subscription or the last call; false when the time is over or the
-    /// server stops.
-    bool wait_until(std::chrono::steady_clock::time_point deadline);
-
-   private:
-    JobEvents& events_;
-    std::string job_;
-    std::uint64_t seen_ = 0;
-  };
+  /// Calls the function at every change of the job, on the thread that made it, until the returned object is gone;
+  /// afterwards no call is running any more. The function must not call back. To be gone before this object.
+  std::shared_ptr<void> subscribe(std::string_view job, std::function<void()> wake);
 
   void changed(std::string_view job);
 
-  /// Ends all waiting, now and later.
-  void close();
-
  private:
-  struct Topic {
-    std::uint64_t version = 0;
-    std::size_t waiters = 0;
-    std::condition_variable changed;
-  };
   std::mutex mutex_;
-  std::unordered_map<std::string, Topic> topics_;
-  bool closed_ = false;
+  std::unordered_multimap<std::string, std::function<void()>> waiters_;
 };
 
 }  // namespace surfaced

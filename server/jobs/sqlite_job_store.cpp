@@ -161,10 +161,10 @@ class SqliteJobStore final : public JobStore {
                                                    "; only a failed or dismissed job can be tried again"};
       }
       if (Status room = room_in(writer_); !room.ok()) return room.error();
-      Retry retry{{}, requeue_ended(writer_, row->job)};
-      retry.job = select_job(writer_, id)->job;
+      Artifacts garbage = requeue_ended(writer_, row->job);
+      auto queued = *select_job(writer_, id);
       transaction.commit();
-      return retry;
+      return Retry{std::move(queued.job), std::move(garbage)};
     });
   }
 

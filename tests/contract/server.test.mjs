@@ -87,6 +87,25 @@ test('a job goes from accepted to its outputs and away', async () => {
   assert.equal((await call('GET', `/v1/jobs/${job.id}`)).status, 410);
 });
 
+test('a failed job is tried again when its client says so, and lists both attempts', async () => {
+  const created = await post('/v1/jobs?method=advancing-front', Buffer.from('this is no cloud\n'), {
+    traceparent: '00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01',
+  });
+  assert.equal((await finished(created.body.id)).attempts.length, 1);
+  const again = await call('POST', `/v1/jobs/${created.body.id}/retry`);
+  assert.equal(again.status, 202);
+  assert.equal(again.headers.get('location'), `/v1/jobs/${created.body.id}`);
+  const job = await finished(created.body.id);
+  assert.deepEqual(job.attempts.map((attempt) => attempt.outcome), ['input_invalid', 'input_invalid']);
+  assert.equal(job.parked, false);
+  const log = (await call('GET', `/v1/jobs/${job.id}/outputs/log.txt`)).body.toString();
+  assert.match(log, /traceparent 00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01/);
+  const good = await post('/v1/jobs?method=advancing-front', knot);
+  await finished(good.body.id);
+  assert.equal((await call('POST', `/v1/jobs/${good.body.id}/retry`)).body.code, 'not_retryable');
+  assert.equal((await call('POST', '/v1/jobs/00000000000000000000000000000000/retry')).status, 404);
+});
+
 const malformed = [
   ['an empty body', Buffer.alloc(0), ['empty_input', 'length_required']],
   ['text', Buffer.from('hello, this is no cloud\n'), ['unknown_format']],

@@ -29,6 +29,7 @@ class AttemptRunnerTest : public ::testing::Test {
     spec.claim = {"job", 1};
     spec.parameters = {{"behave", behaviour}};
     spec.directory = directory_.path() / "a";
+    spec.cloud = directory_.path() / "cloud";
     spec.mesh = "mesh.glb";
     spec.limits = limits_;
     spec.parent = ::getpid();
@@ -37,6 +38,7 @@ class AttemptRunnerTest : public ::testing::Test {
   AttemptResult run(const std::string& behaviour) {
     std::filesystem::remove_all(directory_.path() / "a");
     std::filesystem::create_directory(directory_.path() / "a");
+    std::ofstream(directory_.path() / "cloud") << "cloud";
     auto log = AttemptLog::create(directory_.path() / "a/log.txt").value();
     const AttemptSpec spec = spec_for(behaviour);
     const auto began = Clock::now();
@@ -98,6 +100,53 @@ TEST_F(AttemptRunnerTest, a_child_that_allocates_without_end_meets_its_limit) {
   EXPECT_EQ(run("allocate").outcome, Outcome::out_of_memory);
 }
 
+TEST_F(AttemptRunnerTest, memory_that_no_limit_of_the_kernel_counts_is_counted_by_the_server) {
+  if (kSanitized) GTEST_SKIP() << "a sanitizer's own memory is counted too";
+  const AttemptResult result = run("share");
+  EXPECT_EQ(result.outcome, Outcome::out_of_memory);
+  EXPECT_THAT(result.error->detail, HasSubstr("limit of 268435456 bytes"));
+  EXPECT_GT(result.usage.peak_memory_bytes, limits_.memory_bytes);
+}
+
+TEST_F(AttemptRunnerTest, an_output_without_end_meets_its_limit_and_is_not_tried_again) {
+  limits_.file_bytes = std::uint64_t{4} << 20;
+  const AttemptResult result = run("write");
+  EXPECT_EQ(result.outcome, Outcome::method_failed);
+  EXPECT_THAT(result.error->detail, HasSubstr("4194304 bytes"));
+}
+
+TEST_F(AttemptRunnerTest, what_an_attempt_used_is_measured) {
+  const AttemptResult result = run("done");
+  EXPECT_GT(result.usage.seconds, 0);
+  EXPECT_LT(result.usage.seconds, 10);
+  EXPECT_GT(result.usage.peak_memory_bytes, std::uint64_t{1} << 20);
+}
+
+TEST_F(AttemptRunnerTest, a_confined_child_can_do_its_work) {
+  EXPECT_EQ(run("threads").outcome, Outcome::done) << log_text();
+}
+
+TEST_F(AttemptRunnerTest, a_child_can_start_no_process_and_signal_none) {
+  if (kSanitized) GTEST_SKIP() << "there is no filter of system calls under a sanitizer";
+  EXPECT_EQ(run("try fork").outcome, Outcome::done);
+  EXPECT_EQ(run("try kill the parent").outcome, Outcome::done);
+}
+
+TEST_F(AttemptRunnerTest, a_socket_another_program_or_a_look_into_another_process_is_the_end_of_a_child) {
+  if (kSanitized) GTEST_SKIP() << "there is no filter of system calls under a sanitizer";
+  for (const char* what : {"try a socket", "try exec", "try ptrace"}) {
+    const AttemptResult result = run(what);
+    EXPECT_EQ(result.outcome, Outcome::crashed) << what;
+    EXPECT_THAT(result.error->detail, HasSubstr("SIGSYS, for a system call that an attempt may not make")) << what;
+  }
+}
+
+TEST_F(AttemptRunnerTest, a_child_sees_no_file_but_its_own) {
+  if (run("done"); log_text().find("no landlock") != std::string::npos) GTEST_SKIP() << "this kernel has no Landlock";
+  EXPECT_EQ(run("try read a file").outcome, Outcome::done);
+  EXPECT_EQ(run("try write a file").outcome, Outcome::done);
+}
+
 TEST_F(AttemptRunnerTest, a_child_that_hangs_is_stopped_at_its_limit_of_time) {
   limits_.time = std::chrono::seconds(1);
   const AttemptResult result = run("hang");
@@ -124,7 +173,7 @@ TEST_F(AttemptRunnerTest, cancelling_kills_a_child_that_does_not_listen) {
 }
 
 TEST_F(AttemptRunnerTest, what_a_child_left_running_is_killed_with_it) {
-  EXPECT_EQ(run("fork").outcome, Outcome::done);
+  EXPECT_EQ(run("leave a grandchild").outcome, Outcome::done);
   // The grandchild held the pipes open; that must not have made the server wait.
   EXPECT_LT(elapsed_, std::chrono::seconds(5));
 }

@@ -10,6 +10,7 @@
 #include "http/conditional.hpp"
 #include "http/problem.hpp"
 #include "http/server.hpp"
+#include "jobs/job_events.hpp"
 #include "support/http_client.hpp"
 
 namespace surfaced::http {
@@ -23,6 +24,30 @@ using ::testing::Not;
 using testing::RawConnection;
 
 constexpr std::uint64_t kBodyLimit = std::uint64_t{1} << 20;
+
+/// Something that becomes known at some time.
+class Topic {
+ public:
+  std::shared_ptr<void> subscribe(std::function<void()> wake) {
+    ++waiters_;
+    auto waiter = events_.subscribe("topic", std::move(wake));
+    return {nullptr, [this, waiter](void*) mutable {
+              waiter.reset();
+              --waiters_;
+            }};
+  }
+  void tell() {
+    told_ = true;
+    events_.changed("topic");
+  }
+  bool told() const { return told_; }
+  std::size_t waiters() const { return waiters_; }
+
+ private:
+  JobEvents events_;
+  std::atomic<bool> told_ = false;
+  std::atomic<std::size_t> waiters_ = 0;
+};
 
 class HttpGuardTest : public ::testing::Test {
  protected:
@@ -46,6 +71,18 @@ class HttpGuardTest : public ::testing::Test {
                                      return Result<std::size_t>(buffer.size());
                                    }});
     });
+    router_.add("GET", "/wait", [this](Request& request) {
+      auto later = std::make_shared<Later>();
+      later->deadline = std::chrono::steady_clock::now() + milliseconds(request.query.empty() ? 60'000 : 200);
+      later->subscribe = [this](std::function<void()> wake) { return topic_.subscribe(std::move(wake)); };
+      later->look = [this](bool last) -> std::optional<Response> {
+        if (!topic_.told() && !last) return std::nullopt;
+        return json_response(200, {{"told", topic_.told()}});
+      };
+      Response response;
+      response.later = later;
+      return response;
+    });
     router_.add("GET", "/throw", [](Request&) -> Response { throw std::runtime_error("secret"); });
     router_.add("POST", "/ignore", [](Request& request) {
       return problem_response({ErrorCode::not_found, "no"}, request);
@@ -61,7 +98,7 @@ class HttpGuardTest : public ::testing::Test {
     });
     limits_.body_bytes = kBodyLimit;
     limits_.threads = 8;
-    limits_.waiting = 16;
+    limits_.bodies = 6;
     limits_.connection.head_time = milliseconds(700);
     limits_.connection.idle_time = milliseconds(300);
     limits_.connection.body_grace = milliseconds(500);
@@ -78,6 +115,7 @@ class HttpGuardTest : public ::testing::Test {
     return json.is_object() ? json.value("code", "") : "";
   }
 
+  Topic topic_;
   Router router_;
   ServerLimits limits_;
   std::unique_ptr<Server> server_;
@@ -235,28 +273,136 @@ TEST_F(HttpGuardTest, an_idle_connection_is_closed_in_silence) {
   EXPECT_TRUE(connection.closes_within(milliseconds(1500)));
 }
 
-TEST_F(HttpGuardTest, eight_slow_clients_do_not_starve_the_ninth_for_longer_than_the_deadline) {
-  std::vector<std::unique_ptr<RawConnection>> slow;
-  slow.reserve(8);
-  for (int i = 0; i < 8; ++i) {
-    slow.push_back(std::make_unique<RawConnection>(port_));
-    slow.back()->send("GET /hello HTTP/1.1\r\n");
+/// As many connections as a test needs, with the descriptors for both ends.
+std::vector<std::unique_ptr<RawConnection>> many_connections(std::uint16_t port, std::size_t count,
+                                                             const std::string& bytes) {
+  rlimit files{};
+  ::getrlimit(RLIMIT_NOFILE, &files);
+  files.rlim_cur = files.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &files);
+  std::vector<std::unique_ptr<RawConnection>> connections;
+  connections.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    connections.push_back(std::make_unique<RawConnection>(port));
+    if (!bytes.empty()) connections.back()->send(bytes);
   }
-  const auto began = std::chrono::steady_clock::now();
-  EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
-  EXPECT_LT(std::chrono::steady_clock::now() - began, milliseconds(10000));
+  return connections;
 }
 
-TEST_F(HttpGuardTest, connections_beyond_the_bound_are_answered_503) {
-  std::vector<std::unique_ptr<RawConnection>> held;
-  held.reserve(40);
-  for (int i = 0; i < 40; ++i) held.push_back(std::make_unique<RawConnection>(port_));
-  int turned_away = 0;
-  for (auto& each : held) turned_away += each->read_answer(false, milliseconds(50)).status == 503 ? 1 : 0;
-  EXPECT_GE(turned_away, 10);
-  held.clear();
-  std::this_thread::sleep_for(milliseconds(100));
+TEST_F(HttpGuardTest, a_thousand_clients_that_do_not_end_their_head_keep_nobody_waiting) {
+  const auto slow = many_connections(port_, 1000, "GET /hello HTTP/1.1\r\n");
+  const auto began = std::chrono::steady_clock::now();
   EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, milliseconds(500));
+}
+
+TEST_F(HttpGuardTest, bodies_that_trickle_leave_threads_for_others_and_more_are_told_to_come_back) {
+  const auto slow = many_connections(port_, 20, post_line() + "Content-Length: 1000\r\n\r\nabc");
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, milliseconds(400));
+  int told = 0;
+  for (const auto& each : slow) {
+    const Answer answer = each->read_answer(false, milliseconds(3000));
+    if (answer.status == 503) {
+      EXPECT_TRUE(answer.headers.contains("retry-after"));
+      ++told;
+    } else {
+      EXPECT_EQ(answer.status, 408);
+    }
+  }
+  EXPECT_EQ(told, 14);
+}
+
+TEST_F(HttpGuardTest, clients_that_do_not_read_their_answers_hold_no_thread) {
+  server_->stop(milliseconds(0));
+  limits_.connection.body_grace = milliseconds(5000);
+  start();
+  const auto slow = many_connections(port_, 30, "GET /big HTTP/1.1\r\nHost: h\r\n\r\n");
+  std::this_thread::sleep_for(milliseconds(200));
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, milliseconds(500));
+  EXPECT_EQ(slow.front()->read_answer().body.size(), std::size_t{8} << 20) << "who reads at last gets it all";
+}
+
+TEST_F(HttpGuardTest, an_answer_that_nobody_takes_is_given_up) {
+  const auto slow = many_connections(port_, 1, "GET /big HTTP/1.1\r\nHost: h\r\n\r\n");
+  // Past the grace of half a second, and the time that the bytes in the socket's buffers have bought at this pace.
+  std::this_thread::sleep_for(milliseconds(100));
+  server_->stop(milliseconds(0));
+  EXPECT_LT(slow.front()->read_answer(false, milliseconds(2000)).body.size(), std::size_t{8} << 20);
+}
+
+TEST_F(HttpGuardTest, when_all_places_are_taken_the_longest_silence_makes_room) {
+  server_->stop(milliseconds(0));
+  limits_.connections = 20;
+  limits_.connection.head_time = milliseconds(5000);
+  start();
+  auto silent = many_connections(port_, 40, "");
+  EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
+  EXPECT_TRUE(silent.front()->closes_within(milliseconds(500)));
+  silent.back()->send("GET /hello HTTP/1.1\r\nHost: h\r\n\r\n");
+  EXPECT_EQ(silent.back()->read_answer().status, 200);
+  EXPECT_GE(server_->state().turned_away, 20U);
+}
+
+TEST_F(HttpGuardTest, connections_beyond_the_bound_are_answered_503_while_all_others_wait_for_answers) {
+  server_->stop(milliseconds(0));
+  limits_.connections = 20;
+  start();
+  const auto waiting = many_connections(port_, 20, "GET /wait HTTP/1.1\r\nHost: h\r\n\r\n");
+  while (topic_.waiters() < 20) std::this_thread::sleep_for(milliseconds(5));
+  const Answer refused = call(port_, "GET", "/hello");
+  EXPECT_EQ(refused.status, 503);
+  EXPECT_TRUE(refused.headers.contains("retry-after"));
+  topic_.tell();
+  for (const auto& each : waiting) EXPECT_EQ(each->read_answer().status, 200);
+  EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
+}
+
+TEST_F(HttpGuardTest, hundreds_wait_for_an_answer_on_eight_threads) {
+  const auto waiting = many_connections(port_, 300, "GET /wait HTTP/1.1\r\nHost: h\r\n\r\n");
+  while (topic_.waiters() < 300) std::this_thread::sleep_for(milliseconds(5));
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, milliseconds(500));
+  topic_.tell();
+  for (const auto& each : waiting) EXPECT_THAT(each->read_answer().body, HasSubstr("\"told\":true"));
+  EXPECT_EQ(topic_.waiters(), 0U);
+}
+
+TEST_F(HttpGuardTest, who_waits_for_too_long_is_answered_at_the_deadline_and_can_ask_again) {
+  RawConnection connection(port_);
+  for (int i = 0; i < 2; ++i) {
+    const auto began = std::chrono::steady_clock::now();
+    connection.send("GET /wait?soon=1 HTTP/1.1\r\nHost: h\r\n\r\n");
+    EXPECT_THAT(connection.read_answer().body, HasSubstr("\"told\":false"));
+    EXPECT_GE(std::chrono::steady_clock::now() - began, milliseconds(200));
+  }
+}
+
+TEST_F(HttpGuardTest, a_waiter_who_goes_away_is_forgotten) {
+  {
+    const auto waiting = many_connections(port_, 50, "GET /wait HTTP/1.1\r\nHost: h\r\n\r\n");
+    while (topic_.waiters() < 50) std::this_thread::sleep_for(milliseconds(5));
+  }
+  for (int i = 0; i < 400 && topic_.waiters() > 0; ++i) std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_EQ(topic_.waiters(), 0U);
+  EXPECT_EQ(server_->state().connections, 0U);
+}
+
+TEST_F(HttpGuardTest, stopping_answers_whoever_waits) {
+  const auto waiting = many_connections(port_, 20, "GET /wait HTTP/1.1\r\nHost: h\r\n\r\n");
+  while (topic_.waiters() < 20) std::this_thread::sleep_for(milliseconds(5));
+  const auto began = std::chrono::steady_clock::now();
+  server_->stop(std::chrono::seconds(10));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
+  for (const auto& each : waiting) {
+    const Answer answer = each->read_answer();
+    EXPECT_THAT(answer.body, HasSubstr("\"told\":false"));
+    EXPECT_EQ(answer.headers.at("connection"), "close");
+  }
 }
 
 TEST_F(HttpGuardTest, overlapping_ranges_are_not_multiplied) {

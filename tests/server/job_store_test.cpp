@@ -28,7 +28,7 @@ class JobStoreTest : public ::testing::Test {
 
   Job submit(std::chrono::seconds ttl = std::chrono::hours(1)) {
     const std::string id = random_hex<16>();
-    NewJob job{id, "advancing-front", {{"beta", 0.5}}, {id, 7, "abc"}, {"mesh.glb", "report.json", "log.txt"}, "r",
+    NewJob job{id, "advancing-front", {{"beta", 0.5}}, {id, 7, "abc"}, {"mesh.glb", "report.json", "log.txt"}, "r", "",
                ttl};
     return store_->submit(job).value();
   }
@@ -36,9 +36,49 @@ class JobStoreTest : public ::testing::Test {
   std::optional<JobStatus> settle(const Claim& claim, Outcome outcome, const std::vector<Output>& outputs = {}) {
     std::optional<Error> error;
     if (outcome != Outcome::done) error = Error{ErrorCode::crashed, "why"};
-    return store_->settle(claim, outcome, error, outputs).value();
+    return store_->settle(claim, {outcome, error, outputs, {1.5, 1.25, 4096}}).value();
   }
   Job find(const std::string& id) { return store_->find(id).value(); }
+
+  void change(const char* sql, const std::filesystem::path& where) {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(where.c_str(), &database), SQLITE_OK);
+    char* wrong = nullptr;
+    EXPECT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, &wrong), SQLITE_OK) << wrong;
+    sqlite3_close(database);
+  }
+  void change(const char* sql) { change(sql, file()); }
+
+  /// The tables as the first version made them, with a job of every kind.
+  void make_first_version(const std::filesystem::path& where) {
+    change(R"sql(
+      CREATE TABLE jobs (seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, method TEXT NOT NULL,
+        parameters TEXT NOT NULL,
+        status TEXT NOT NULL CHECK (status IN ('accepted', 'running', 'successful', 'failed', 'dismissed')),
+        attempt INTEGER NOT NULL DEFAULT 0, failures INTEGER NOT NULL DEFAULT 0, losses INTEGER NOT NULL DEFAULT 0,
+        input_key TEXT NOT NULL, input_bytes INTEGER NOT NULL, input_sha256 TEXT NOT NULL, wanted TEXT NOT NULL,
+        request_id TEXT NOT NULL, ttl_seconds INTEGER NOT NULL, created_at TEXT NOT NULL, started_at TEXT,
+        finished_at TEXT, expires_at TEXT, removed_at TEXT, error_code TEXT, error_detail TEXT) STRICT;
+      CREATE INDEX jobs_active ON jobs (status, seq) WHERE status IN ('accepted', 'running');
+      CREATE INDEX jobs_expiry ON jobs (expires_at) WHERE expires_at IS NOT NULL;
+      CREATE TABLE outputs (job TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE, name TEXT NOT NULL,
+        attempt INTEGER NOT NULL, bytes INTEGER NOT NULL, sha256 TEXT NOT NULL, PRIMARY KEY (job, name))
+        STRICT, WITHOUT ROWID;
+      INSERT INTO jobs (id, method, parameters, status, attempt, input_key, input_bytes, input_sha256, wanted,
+        request_id, ttl_seconds, created_at, started_at, finished_at, expires_at, error_code, error_detail) VALUES
+        ('done', 'm', '{}', 'successful', 2, 'k', 1, 's', '["mesh.glb"]', 'r', 60, '2026-01-01T00:00:00.000Z',
+         '2026-01-01T00:00:01.000Z', '2026-01-01T00:00:02.000Z', '2999-01-01T00:00:00.000Z', NULL, NULL),
+        ('bad', 'm', '{}', 'failed', 1, 'k', 1, 's', '["mesh.glb"]', 'r', 60, '2026-01-01T00:00:00.000Z',
+         '2026-01-01T00:00:01.000Z', '2026-01-01T00:00:02.000Z', '2999-01-01T00:00:00.000Z', 'collinear', 'why'),
+        ('running', 'm', '{}', 'running', 1, 'k', 1, 's', '["mesh.glb"]', 'r', 60, '2026-01-01T00:00:00.000Z',
+         '2026-01-01T00:00:01.000Z', NULL, NULL, NULL, NULL),
+        ('waiting', 'm', '{}', 'accepted', 0, 'k', 1, 's', '["mesh.glb"]', 'r', 60, '2026-01-01T00:00:00.000Z',
+         NULL, NULL, NULL, NULL, NULL);
+      INSERT INTO outputs VALUES ('done', 'mesh.glb', 2, 1, 'x');
+      PRAGMA user_version = 1;
+    )sql",
+           where);
+  }
 
   testing::TemporaryDirectory directory_;
   JobStoreLimits limits_;
@@ -74,7 +114,7 @@ TEST_F(JobStoreTest, the_queue_has_a_bound) {
   submit();
   submit();
   EXPECT_EQ(store_->check_room().error().code, ErrorCode::queue_full);
-  const auto third = store_->submit({random_hex<16>(), "m", {}, {}, {}, "", std::chrono::seconds(60)});
+  const auto third = store_->submit({random_hex<16>(), "m", {}, {}, {}, "", "", std::chrono::seconds(60)});
   ASSERT_FALSE(third.ok());
   EXPECT_EQ(third.error().detail, "2 jobs are waiting, the limit is 2");
   claim();
@@ -142,6 +182,167 @@ TEST_F(JobStoreTest, twenty_losses_park_a_job_and_draining_costs_nothing) {
   store_->recover().value();
   EXPECT_EQ(find(job.id).status, JobStatus::failed);
   EXPECT_EQ(find(job.id).error->code, ErrorCode::lost);
+}
+
+TEST_F(JobStoreTest, a_job_lists_its_attempts_with_outcome_and_what_they_used) {
+  const Job job = submit();
+  settle(claim().claim(), Outcome::crashed);
+  EXPECT_EQ(claim().job.attempts.size(), 2U);
+  Job found = find(job.id);
+  ASSERT_EQ(found.attempts.size(), 2U);
+  EXPECT_EQ(found.attempts.front().outcome, "crashed");
+  EXPECT_EQ(found.attempts.front().error->detail, "why");
+  EXPECT_EQ(found.attempts.front().usage.seconds, 1.5);
+  EXPECT_EQ(found.attempts.front().usage.peak_memory_bytes, 4096U);
+  EXPECT_FALSE(found.attempts.back().ended_at.has_value());
+  EXPECT_EQ(found.attempts.back().outcome, "");
+  store_->dismiss(job.id).value();
+  found = find(job.id);
+  EXPECT_EQ(found.attempts.back().outcome, "cancelled");
+  EXPECT_TRUE(found.attempts.back().ended_at.has_value());
+}
+
+TEST_F(JobStoreTest, only_a_job_whose_attempts_are_used_up_is_parked) {
+  const Job poison = submit();
+  settle(claim().claim(), Outcome::out_of_memory);
+  settle(claim().claim(), Outcome::crashed);
+  EXPECT_TRUE(find(poison.id).parked);
+  const Job refused = submit();
+  settle(claim().claim(), Outcome::input_invalid);
+  EXPECT_FALSE(find(refused.id).parked);
+}
+
+TEST_F(JobStoreTest, a_parked_job_starts_anew_when_its_client_says_so) {
+  const Job job = submit();
+  settle(claim().claim(), Outcome::crashed);
+  settle(claim().claim(), Outcome::crashed, {{"log.txt", 2, 1, "x"}});
+  const Job later = submit();
+  const Retry retry = store_->retry(job.id).value();
+  EXPECT_EQ(retry.job.status, JobStatus::accepted);
+  EXPECT_FALSE(retry.job.parked);
+  EXPECT_FALSE(retry.job.error.has_value());
+  EXPECT_FALSE(retry.job.expires_at.has_value());
+  EXPECT_EQ(retry.job.queue_position, 1U) << "it waits behind what came meanwhile";
+  ASSERT_EQ(retry.garbage.outputs.size(), 1U);
+  EXPECT_EQ(retry.garbage.outputs.front().attempt, 2U);
+  EXPECT_EQ(claim().job.id, later.id);
+  EXPECT_EQ(settle(claim().claim(), Outcome::crashed), JobStatus::accepted) << "its failures are forgotten";
+  EXPECT_EQ(find(job.id).attempts.size(), 3U);
+}
+
+TEST_F(JobStoreTest, a_job_that_is_active_or_successful_cannot_be_tried_again) {
+  const Job job = submit();
+  EXPECT_EQ(store_->retry(job.id).error().code, ErrorCode::not_retryable);
+  const ClaimedJob claimed = claim();
+  EXPECT_EQ(store_->retry(job.id).error().code, ErrorCode::not_retryable);
+  settle(claimed.claim(), Outcome::done);
+  EXPECT_THAT(store_->retry(job.id).error().detail, HasSubstr("is successful"));
+  store_->dismiss(job.id).value();
+  EXPECT_EQ(store_->retry(job.id).error().code, ErrorCode::job_gone);
+  EXPECT_EQ(store_->retry("nothing").error().code, ErrorCode::job_not_found);
+}
+
+TEST_F(JobStoreTest, a_retry_finds_the_queue_full_like_a_submission) {
+  limits_.queue = 1;
+  open();
+  const Job job = submit();
+  settle(claim().claim(), Outcome::input_invalid);
+  submit();
+  EXPECT_EQ(store_->retry(job.id).error().code, ErrorCode::queue_full);
+  EXPECT_EQ(find(job.id).status, JobStatus::failed);
+}
+
+TEST_F(JobStoreTest, a_claim_that_nobody_renews_is_lost_and_one_that_is_renewed_is_not) {
+  limits_.lease = std::chrono::milliseconds(200);
+  open();
+  submit();
+  submit();
+  const Claim silent = claim().claim();
+  const Claim renewed = claim().claim();
+  const auto began = std::chrono::steady_clock::now();
+  std::vector<Claim> expired;
+  while (expired.empty() && std::chrono::steady_clock::now() - began < std::chrono::seconds(5)) {
+    EXPECT_TRUE(store_->renew(renewed).value());
+    expired = store_->expire_leases().value();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_GE(std::chrono::steady_clock::now() - began, limits_.lease);
+  ASSERT_EQ(expired.size(), 1U);
+  EXPECT_EQ(expired.front().job, silent.job);
+  EXPECT_EQ(find(silent.job).status, JobStatus::accepted);
+  EXPECT_EQ(find(silent.job).attempts.front().outcome, "lost");
+  EXPECT_EQ(find(renewed.job).status, JobStatus::running);
+  EXPECT_FALSE(store_->renew(silent).value());
+  EXPECT_EQ(settle(silent, Outcome::done), std::nullopt);
+}
+
+TEST_F(JobStoreTest, a_clock_that_jumps_ends_no_lease) {
+  limits_.lease = std::chrono::seconds(20);
+  open();
+  submit();
+  claim();
+  store_->expire_leases().value();
+  // What a clock set back or forward by years leaves in the file.
+  change("UPDATE jobs SET started_at = '1999-01-01T00:00:00.000Z'");
+  EXPECT_TRUE(store_->expire_leases().value().empty());
+  change("UPDATE jobs SET started_at = '2999-01-01T00:00:00.000Z'");
+  EXPECT_TRUE(store_->expire_leases().value().empty());
+}
+
+TEST_F(JobStoreTest, a_store_that_another_process_holds_is_not_ready_and_says_so_in_time) {
+  limits_.patience = std::chrono::milliseconds(100);
+  open();
+  const Job job = submit();
+  sqlite3* other = nullptr;
+  ASSERT_EQ(sqlite3_open(file().c_str(), &other), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_EQ(store_->writable().error().code, ErrorCode::not_ready);
+  EXPECT_EQ(store_->claim().error().code, ErrorCode::not_ready);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
+  EXPECT_EQ(find(job.id).status, JobStatus::accepted) << "reading goes on";
+  sqlite3_exec(other, "ROLLBACK", nullptr, nullptr, nullptr);
+  sqlite3_close(other);
+  EXPECT_TRUE(store_->writable().ok());
+}
+
+TEST_F(JobStoreTest, the_census_counts_what_waits_and_what_runs) {
+  const Job first = submit();
+  submit();
+  Census census = store_->census().value();
+  EXPECT_EQ(census.accepted, 2U);
+  EXPECT_EQ(census.oldest_accepted, first.created_at);
+  claim();
+  census = store_->census().value();
+  EXPECT_EQ(census.accepted, 1U);
+  EXPECT_EQ(census.running, 1U);
+}
+
+TEST_F(JobStoreTest, a_store_keeps_its_identity) {
+  const std::string identity = store_->identity().value();
+  EXPECT_EQ(identity.size(), 32U);
+  open();
+  EXPECT_EQ(store_->identity().value(), identity);
+}
+
+TEST_F(JobStoreTest, a_file_of_the_first_version_is_brought_up_with_all_its_jobs) {
+  const auto old = directory_.path() / "old.sqlite";
+  make_first_version(old);
+  store_.reset();
+  auto opened = open_sqlite_job_store(old, limits_);
+  ASSERT_TRUE(opened.ok()) << opened.error().detail;
+  store_ = std::move(*opened);
+  const Job done = find("done");
+  EXPECT_EQ(done.status, JobStatus::successful);
+  ASSERT_EQ(done.attempts.size(), 1U);
+  EXPECT_EQ(done.attempts.front().number, 2U);
+  EXPECT_EQ(done.attempts.front().outcome, "done");
+  EXPECT_EQ(done.outputs.size(), 1U);
+  EXPECT_EQ(find("bad").attempts.front().outcome, "input_invalid");
+  EXPECT_EQ(find("waiting").status, JobStatus::accepted);
+  EXPECT_TRUE(find("waiting").attempts.empty());
+  EXPECT_EQ(store_->recover().value(), 1U);
+  EXPECT_EQ(find("running").attempts.front().outcome, "lost");
 }
 
 TEST_F(JobStoreTest, a_refused_input_is_not_tried_again) {

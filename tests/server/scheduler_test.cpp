@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <optional>
+#include <thread>
 
 #include "artifacts/file_artifact_store.hpp"
 #include "jobs/sqlite_job_store.hpp"
@@ -31,13 +32,9 @@ class SchedulerTest : public ::testing::Test {
     std::string id = random_hex<16>();
     auto upload = artifacts_->begin_upload().value();
     EXPECT_TRUE(upload->write(as_bytes("cloud")).ok());
-    const NewJob job{id,
-                     "m",
-                     {{"behave", behaviour}},
-                     upload->commit(id).value(),
-                     {"mesh.glb", "report.json", "log.txt"},
-                     "r",
-                     std::chrono::hours(1)};
+    const NewJob job{
+        id,  "m", {{"behave", behaviour}}, upload->commit(id).value(), {"mesh.glb", "report.json", "log.txt"},
+        "r", "",  std::chrono::hours(1)};
     EXPECT_TRUE(jobs_->submit(job).ok());
     scheduler_->wake();
     return id;
@@ -45,11 +42,10 @@ class SchedulerTest : public ::testing::Test {
   /// The job once it satisfies the condition.
   Job wait_for(const std::string& id, const std::function<bool(const Job&)>& condition) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    JobEvents::Subscription subscription(events_, id);
     for (;;) {
       Job job = jobs_->find(id).value();
       if (condition(job) || std::chrono::steady_clock::now() > deadline) return job;
-      subscription.wait_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(20));
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
   Job wait_for_end(const std::string& id) {

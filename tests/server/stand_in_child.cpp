@@ -1,13 +1,20 @@
 // Takes the place of `surfaced attempt` in tests and behaves as the job's parameter "behave" says.
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/ptrace.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <new>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "platform/files.hpp"
@@ -47,10 +54,13 @@ int allocate() {
   }
 }
 
-int litter(const AttemptSpec& spec) {
-  std::filesystem::create_symlink("/etc/passwd", spec.directory / spec.mesh);
-  std::ofstream(spec.directory / "report.json") << "{}";
-  return 0;
+/// What only a child without its confinement could do: the server must stand it all the same.
+void break_out(const std::string& how, const AttemptSpec& spec) {
+  if (how == "litter") {
+    std::filesystem::create_symlink("/etc/passwd", spec.directory / spec.mesh);
+    std::ofstream(spec.directory / "report.json") << "{}";
+  }
+  if (how == "leave a grandchild" && ::fork() == 0) sleep_for_ever();
 }
 
 int shout(const AttemptSpec& spec) {
@@ -61,8 +71,47 @@ int shout(const AttemptSpec& spec) {
   return succeed(spec);
 }
 
-int leave_a_grandchild(const AttemptSpec& spec) {
-  if (::fork() == 0) sleep_for_ever();
+/// Memory that RLIMIT_DATA does not count.
+int share_without_end() {
+  constexpr std::size_t kBlock = std::size_t{16} << 20;
+  for (;;) {
+    void* const block = ::mmap(nullptr, kBlock, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (block == MAP_FAILED) return 7;
+    std::memset(block, 'x', kBlock);
+  }
+}
+
+int write_without_end(const AttemptSpec& spec) {
+  std::ofstream file(spec.directory / spec.mesh);
+  const std::string block(std::size_t{1} << 20, 'x');
+  while (file << block) {
+  }
+  return 7;
+}
+
+/// Ends well if the confinement forbids it, with what came back otherwise.
+int forbidden(const std::string& what, const AttemptSpec& spec) {
+  const auto refused = [&](long result) { return result < 0 ? succeed(spec) : 7; };
+  if (what == "fork") return refused(::fork());
+  if (what == "kill the parent") return refused(::kill(spec.parent, 0));
+  if (what == "read a file") return refused(::open("/etc/passwd", O_RDONLY | O_CLOEXEC));
+  if (what == "write a file") {
+    return refused(::open((spec.directory.parent_path() / "x").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+  }
+  if (what == "a socket") return refused(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  if (what == "exec") return refused(::execl("/bin/true", "true", nullptr));
+  if (what == "ptrace") return refused(::ptrace(PTRACE_ATTACH, spec.parent, nullptr, nullptr));
+  return 6;
+}
+
+/// What a real attempt does with its confinement on: threads, files in its directory, the time.
+int work_in_threads(const AttemptSpec& spec) {
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&spec, i] { std::ofstream(spec.directory / ("part" + std::to_string(i))) << "x"; });
+  }
+  for (std::thread& each : threads) each.join();
+  for (int i = 0; i < 4; ++i) std::filesystem::remove(spec.directory / ("part" + std::to_string(i)));
   return succeed(spec);
 }
 
@@ -74,9 +123,13 @@ int behave(const std::string& how, const AttemptSpec& spec) {
   if (how == "nothing") return 0;
   if (how == "refuse") return refuse(ErrorCode::collinear);
   if (how == "allocate") return allocate();
-  if (how == "litter") return litter(spec);
+  if (how == "share") return share_without_end();
+  if (how == "write") return write_without_end(spec);
+  if (how == "threads") return work_in_threads(spec);
   if (how == "shout") return shout(spec);
-  if (how == "fork") return leave_a_grandchild(spec);
+  if (how == "litter") return 0;
+  if (how == "leave a grandchild") return succeed(spec);
+  if (how.starts_with("try ")) return forbidden(how.substr(4), spec);
   if (how == "spin") {
     for (volatile bool go = true; go;) {
     }
@@ -90,6 +143,11 @@ int behave(const std::string& how, const AttemptSpec& spec) {
 
 int main(int /*argc*/, char** argv) {
   const auto spec = decode_attempt(argv[1]);
-  if (!spec || !confine_this_process(spec->limits, spec->parent)) return 8;
-  return behave(spec->parameters.value("behave", "done"), *spec);
+  if (!spec) return 8;
+  const std::string how = spec->parameters.value("behave", "done");
+  break_out(how, *spec);
+  const auto confined = confine_this_process(*spec);
+  if (!confined) return 8;
+  std::cerr << *confined << std::endl;
+  return behave(how, *spec);
 }

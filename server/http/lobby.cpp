@@ -1,0 +1,262 @@
+#include "http/lobby.hpp"
+
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <string>
+
+#include "http/problem.hpp"
+#include "platform/random.hpp"
+
+namespace surfaced::http {
+namespace {
+
+constexpr std::uint64_t kListener = 0;
+constexpr std::uint64_t kBell = 1;
+constexpr std::uint64_t kFirstSession = 2;
+constexpr int kAcceptedAtOnce = 64;
+/// When descriptors run out, accepting again at once would only spin.
+constexpr int kPauseWithoutDescriptors = 50;
+constexpr int kLongestSleep = 60'000;
+
+void watch(int epoll, int fd, std::uint32_t events, std::uint64_t id) {
+  epoll_event event{};
+  event.events = events;
+  event.data.u64 = id;
+  if (::epoll_ctl(epoll, EPOLL_CTL_ADD, fd, &event) != 0) throw std::bad_alloc();
+}
+
+void turn_away(const UniqueFd& client) {
+  const Error error{ErrorCode::not_ready, "all connections of the server are taken"};
+  const std::string id = random_hex<12>();
+  const std::string body = text_of(problem_json(error, {}, id));
+  const std::string answer =
+      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nContent-Length: " +
+      std::to_string(body.size()) + "\r\nConnection: close\r\nRetry-After: 1\r\nX-Request-Id: " + id + "\r\n\r\n" +
+      body;
+  // What has arrived is taken first, or the close would reset the connection before the answer is read.
+  std::array<char, 16384> dropped{};
+  for (int i = 0; i < 4 && ::recv(client.get(), dropped.data(), dropped.size(), MSG_DONTWAIT) > 0; ++i) {
+  }
+  [[maybe_unused]] const ssize_t sent = ::send(client.get(), answer.data(), answer.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  ::shutdown(client.get(), SHUT_WR);
+}
+
+}  // namespace
+
+Lobby::Lobby(int listener, const Options& options, Ready ready)
+    : options_(options),
+      ready_(std::move(ready)),
+      next_id_(kFirstSession),
+      listener_(listener),
+      epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+      bell_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  watch(epoll_.get(), bell_.get(), EPOLLIN, kBell);
+  watch(epoll_.get(), listener_, EPOLLIN, kListener);
+}
+
+Lobby::~Lobby() { stop(); }
+
+void Lobby::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void Lobby::enter(std::unique_ptr<Session> session) {
+  {
+    const std::scoped_lock lock(mutex_);
+    arrivals_.push_back(std::move(session));
+  }
+  ::eventfd_write(bell_.get(), 1);
+}
+
+void Lobby::ring(std::uint64_t id) {
+  {
+    const std::scoped_lock lock(mutex_);
+    rings_.push_back(id);
+  }
+  ::eventfd_write(bell_.get(), 1);
+}
+
+void Lobby::close() {
+  {
+    const std::scoped_lock lock(mutex_);
+    close_asked_ = true;
+  }
+  ::eventfd_write(bell_.get(), 1);
+}
+
+void Lobby::stop() {
+  stop_asked_ = true;
+  ::eventfd_write(bell_.get(), 1);
+  if (thread_.joinable()) thread_.join();
+  guests_.clear();
+  // Ended outside of the lock: a session that goes unsubscribes, and whoever rings holds the other lock.
+  std::vector<std::unique_ptr<Session>> arrivals;
+  {
+    const std::scoped_lock lock(mutex_);
+    arrivals.swap(arrivals_);
+  }
+}
+
+void Lobby::run() {
+  std::array<epoll_event, 256> events{};
+  while (!stop_asked_) {
+    const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), wait_milliseconds());
+    if (full_of_descriptors_ && !closed_) {
+      full_of_descriptors_ = false;
+      watch(epoll_.get(), listener_, EPOLLIN, kListener);
+    }
+    for (int i = 0; i < count; ++i) {
+      const std::uint64_t id = events.at(static_cast<std::size_t>(i)).data.u64;
+      if (id == kBell) {
+        take_mail();
+      } else if (id == kListener) {
+        accept_some();
+      } else if (const auto found = guests_.find(id); found != guests_.end()) {
+        follow(id, found->second.session->advance());
+      }
+    }
+    end_overdue();
+  }
+}
+
+int Lobby::wait_milliseconds() const {
+  if (full_of_descriptors_) return kPauseWithoutDescriptors;
+  if (deadlines_.empty()) return kLongestSleep;
+  const auto left = deadlines_.begin()->first - Session::Clock::now();
+  const auto milliseconds = std::chrono::ceil<std::chrono::milliseconds>(left).count();
+  return static_cast<int>(std::clamp<std::int64_t>(milliseconds, 0, kLongestSleep));
+}
+
+void Lobby::take_mail() {
+  eventfd_t count = 0;
+  ::eventfd_read(bell_.get(), &count);
+  std::vector<std::unique_ptr<Session>> arrivals;
+  std::vector<std::uint64_t> rings;
+  bool close_asked = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    arrivals.swap(arrivals_);
+    rings.swap(rings_);
+    close_asked = std::exchange(close_asked_, false);
+  }
+  if (close_asked) close_now();
+  for (auto& session : arrivals) {
+    const Session::State state = session->state();
+    if (closed_ && state == Session::State::head) continue;
+    if (state == Session::State::waiting && (closed_ || session->rung())) {
+      ready_(std::move(session));
+    } else {
+      seat(std::move(session));
+    }
+  }
+  for (const std::uint64_t id : rings) {
+    const auto found = guests_.find(id);
+    if (found != guests_.end() && found->second.session->state() == Session::State::waiting) ready_(unseat(id));
+  }
+}
+
+void Lobby::close_now() {
+  closed_ = true;
+  if (!full_of_descriptors_) ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, listener_, nullptr);
+  std::vector<std::uint64_t> ids;
+  for (const auto& [id, guest] : guests_) ids.push_back(id);
+  for (const std::uint64_t id : ids) {
+    const Session::State state = guests_.at(id).session->state();
+    if (state == Session::State::head) unseat(id);
+    if (state == Session::State::waiting) ready_(unseat(id));
+  }
+}
+
+void Lobby::accept_some() {
+  for (int i = 0; i < kAcceptedAtOnce; ++i) {
+    UniqueFd client(::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (client) {
+      admit(std::move(client));
+      continue;
+    }
+    if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
+      full_of_descriptors_ = true;
+      ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, listener_, nullptr);
+    }
+    return;
+  }
+}
+
+void Lobby::admit(UniqueFd client) {
+  if (places_ >= options_.connections && !make_room()) {
+    ++turned_away_;
+    turn_away(client);
+    return;
+  }
+  const std::uint64_t id = next_id_++;
+  auto session = std::make_unique<Session>(id, std::move(client), options_.connection, options_.requests, places_);
+  Session& seen = *session;
+  seat(std::move(session));
+  // Often the head has arrived together with the connection.
+  follow(id, seen.advance());
+}
+
+bool Lobby::make_room() {
+  for (const auto& [deadline, id] : deadlines_) {
+    if (guests_.at(id).session->state() != Session::State::head) continue;
+    unseat(id);
+    ++turned_away_;
+    return true;
+  }
+  return false;
+}
+
+void Lobby::seat(std::unique_ptr<Session> session) {
+  const std::uint64_t id = session->id();
+  const auto deadline = session->deadline();
+  watch(epoll_.get(), session->descriptor(), session->events(), id);
+  deadlines_.emplace(deadline, id);
+  guests_.emplace(id, Guest{std::move(session), deadline});
+}
+
+std::unique_ptr<Session> Lobby::unseat(std::uint64_t id) {
+  const auto found = guests_.find(id);
+  std::unique_ptr<Session> session = std::move(found->second.session);
+  deadlines_.erase({found->second.deadline, id});
+  guests_.erase(found);
+  ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, session->descriptor(), nullptr);
+  return session;
+}
+
+void Lobby::follow(std::uint64_t id, Session::Step step) {
+  if (step == Session::Step::over) {
+    unseat(id);
+    return;
+  }
+  if (step == Session::Step::ready) {
+    ready_(unseat(id));
+    return;
+  }
+  Guest& guest = guests_.at(id);
+  const auto deadline = guest.session->deadline();
+  if (deadline != guest.deadline) {
+    deadlines_.erase({guest.deadline, id});
+    guest.deadline = deadline;
+    deadlines_.emplace(deadline, id);
+  }
+  // Writing may have become waiting for the next head, or lingering.
+  epoll_event event{};
+  event.events = guest.session->events();
+  event.data.u64 = id;
+  ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, guest.session->descriptor(), &event);
+}
+
+void Lobby::end_overdue() {
+  const auto time = Session::Clock::now();
+  while (!deadlines_.empty() && deadlines_.begin()->first <= time) {
+    const std::uint64_t id = deadlines_.begin()->second;
+    follow(id, guests_.at(id).session->overdue());
+  }
+}
+
+}  // namespace surfaced::http

@@ -1,0 +1,165 @@
+#include "http/session.hpp"
+
+#include <sys/epoll.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "http/request_head.hpp"
+
+namespace surfaced::http {
+namespace {
+
+constexpr std::size_t kSendBytes = std::size_t{64} << 10;
+/// What one connection may write before another one has its turn.
+constexpr std::uint64_t kTurnBytes = std::uint64_t{1} << 20;
+
+}  // namespace
+
+Session::Session(std::uint64_t id, UniqueFd fd, const ConnectionLimits& limits, std::size_t requests,
+                 std::atomic<std::size_t>& places)
+    : id_(id), connection_(std::move(fd), limits), places_(places), requests_left_(requests) {
+  ++places_;
+}
+
+Session::~Session() { --places_; }
+
+std::uint32_t Session::events() const {
+  switch (state_) {
+    case State::writing:
+      return EPOLLOUT;
+    case State::waiting:
+      // What the client sends meanwhile stays in the socket; that it goes away is worth knowing.
+      return EPOLLRDHUP;
+    default:
+      return EPOLLIN | EPOLLRDHUP;
+  }
+}
+
+Session::Clock::time_point Session::deadline() const {
+  switch (state_) {
+    case State::head:
+      return connection_.head_deadline();
+    case State::waiting:
+      return exchange_.later->deadline;
+    case State::writing:
+      return connection_.transfer_deadline();
+    default:
+      return connection_.linger_deadline();
+  }
+}
+
+Session::Step Session::advance() {
+  switch (state_) {
+    case State::head: {
+      auto arrival = connection_.take_head();
+      if (std::holds_alternative<Connection::Incomplete>(arrival)) return Step::waits;
+      if (std::holds_alternative<Connection::Closed>(arrival)) return Step::over;
+      head_ = std::get<Result<std::string>>(std::move(arrival));
+      return Step::ready;
+    }
+    case State::waiting:
+      // The only event that it looks for: the client is gone.
+      return Step::over;
+    case State::writing:
+      return write_on();
+    default:
+      return connection_.drop_arrived() ? Step::waits : Step::over;
+  }
+}
+
+Session::Step Session::overdue() {
+  if (state_ == State::waiting) {
+    last_look_ = true;
+    return Step::ready;
+  }
+  if (state_ != State::head) return Step::over;
+  auto error = connection_.head_overdue();
+  if (!error) return Step::over;
+  head_ = Result<std::string>(std::move(*error));
+  return Step::ready;
+}
+
+Session::Step Session::work(Engine& engine, const std::function<void(std::uint64_t)>& ring, bool stopping) {
+  if (state_ == State::waiting) {
+    last_look_ |= stopping;
+  } else {
+    const Result<std::string> text = *std::exchange(head_, std::nullopt);
+    auto head = text ? parse_head(*text) : Result<RequestHead>(text.error());
+    if (head && (--requests_left_ == 0 || stopping)) head->close = true;
+    exchange_ = engine.exchange(connection_, head);
+    if (!exchange_.later) return begin_writing();
+    last_look_ = stopping;
+    subscription_ = exchange_.later->subscribe([ring, id = id_, rung = rung_] {
+      rung->store(true);
+      ring(id);
+    });
+    state_ = State::waiting;
+  }
+  rung_->store(false);
+  std::optional<Response> response = exchange_.later->look(last_look_ || Clock::now() >= exchange_.later->deadline);
+  if (!response) return Step::waits;
+  subscription_.reset();
+  if (stopping && exchange_.after == After::keep) exchange_.after = After::close;
+  engine.finish(exchange_, std::move(*response));
+  return begin_writing();
+}
+
+std::optional<Exchange> Session::take_answered() {
+  if (!std::exchange(answered_, false)) return std::nullopt;
+  Exchange told;
+  told.request = exchange_.request;
+  told.status = exchange_.status;
+  told.began = exchange_.began;
+  return told;
+}
+
+Session::Step Session::begin_writing() {
+  state_ = State::writing;
+  answered_ = true;
+  sent_ = 0;
+  streamed_ = 0;
+  // The client's pace counts anew: what the handler took (it may have waited for a job) is not its time.
+  connection_.begin_transfer();
+  return write_on();
+}
+
+Session::Step Session::write_on() {
+  while (sent_ < exchange_.bytes.size()) {
+    const auto count = connection_.try_send(exchange_.bytes.data() + sent_, exchange_.bytes.size() - sent_);
+    if (count < 0) return Step::over;
+    if (count == 0) return Step::waits;
+    sent_ += static_cast<std::size_t>(count);
+  }
+  if (!exchange_.stream) return after_writing();
+  thread_local std::vector<std::byte> buffer(kSendBytes);
+  for (std::uint64_t turn = 0; streamed_ < exchange_.stream->length; turn += buffer.size()) {
+    if (turn >= kTurnBytes) return Step::waits;
+    const auto wanted = std::min<std::uint64_t>(buffer.size(), exchange_.stream->length - streamed_);
+    const auto read = exchange_.stream->read(streamed_, std::span(buffer).first(wanted));
+    // The head is sent, so a failure can only be shown by breaking off.
+    if (!read || *read == 0) return Step::over;
+    const auto count = connection_.try_send(reinterpret_cast<const char*>(buffer.data()), *read);
+    if (count < 0) return Step::over;
+    streamed_ += static_cast<std::uint64_t>(count);
+    if (static_cast<std::size_t>(count) < *read) return Step::waits;
+  }
+  return after_writing();
+}
+
+Session::Step Session::after_writing() {
+  const After after = exchange_.after;
+  exchange_.bytes = {};
+  exchange_.stream.reset();
+  if (after == After::close) return Step::over;
+  if (after == After::drain) {
+    state_ = State::lingering;
+    connection_.begin_linger();
+  } else {
+    state_ = State::head;
+    connection_.expect_head();
+  }
+  return advance();
+}
+
+}  // namespace surfaced::http
