@@ -29,10 +29,6 @@ class Run {
     mesh.colors = cloud_.colors;
     orient_manifold_outwards(mesh, rim_);
     sort_triangles(mesh);
-    if (result_.statistics.open_edges > 0) {
-      result_.warnings.push_back("the mesh is open: " + std::to_string(result_.statistics.open_edges) +
-                                 " edges have one triangle");
-    }
     return std::move(result_);
   }
 

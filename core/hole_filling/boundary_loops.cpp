@@ -1,6 +1,8 @@
 #include "hole_filling/boundary_loops.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <map>
 #include <unordered_map>
 
@@ -8,6 +10,12 @@ namespace surfaced::filling {
 namespace {
 
 using Chain = std::vector<HalfEdgeIndex>;
+
+std::string text_of(const Point3& p) {
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), "(%.9g, %.9g, %.9g)", p[0], p[1], p[2]);
+  return text.data();
+}
 
 class Tracing {
  public:
@@ -101,7 +109,7 @@ class Tracing {
       } while (++reached < passages.size() && fan != passages.front().out);
       if (reached == passages.size() && fan == passages.front().out) continue;
       for (const Passage& p : passages) {
-        loops_[p.loop].obstacle = "it touches another part of the mesh in vertex " + std::to_string(vertex);
+        loops_[p.loop].obstacle = "it touches another part of the mesh in " + text_of(mesh_.positions[vertex]);
       }
     }
   }

@@ -1,4 +1,5 @@
 #include "baselines/baselines.hpp"
+#include "reconstruction/hole_stage.hpp"
 #include "reconstruction/methods.hpp"
 
 namespace surfaced {
@@ -8,7 +9,12 @@ Result<Reconstruction> run_advancing_front(const PointCloud& cloud, const Json& 
   Result<TriangleMesh> mesh = advancing_front(
       cloud, {.radius_ratio_bound = parameters.at("radius_ratio_bound"), .beta = parameters.at("beta")}, context);
   if (!mesh) return std::move(mesh).error();
-  return Reconstruction{.mesh = std::move(*mesh), .warnings = {}, .statistics = nullptr};
+  Reconstruction result{.mesh = std::move(*mesh), .warnings = {}, .statistics = nullptr};
+  if (const Json& holes = parameters.at("fill_holes"); holes != "none") {
+    const auto which = holes == "all" ? FillParameters::Holes::all : FillParameters::Holes::small;
+    if (Status filled = run_hole_stage(result, {.holes = which}, context); !filled) return std::move(filled).error();
+  }
+  return result;
 }
 
 }  // namespace
@@ -21,7 +27,7 @@ Method advancing_front_method() {
                    .source =
                        "D. Cohen-Steiner, F. Da, A greedy Delaunay-based surface reconstruction algorithm, The Visual "
                        "Computer 20 (2004); CGAL, Advancing_front_surface_reconstruction",
-                   .guarantees = {"Every vertex of the mesh is an input point.",
+                   .guarantees = {"Every vertex of the mesh is an input point, save those that fill_holes=all adds.",
                                   "The triangles are consistently oriented, closed parts outwards."},
                    .limitations = {"Closedness is reported, not promised.",
                                    "Points may stay unused; the report counts them."},
@@ -43,7 +49,8 @@ Method advancing_front_method() {
                                         {"default", 0.52},
                                         {"title", "Half the wedge angle"},
                                         {"description", "Half the angle of the wedge in which only the radius counts."},
-                                        {"x-unit", "rad"}}}})},
+                                        {"x-unit", "rad"}}},
+                                      {"fill_holes", fill_holes_property("none")}})},
           .interpolates = true,
           .engine = run_advancing_front};
 }

@@ -1,6 +1,7 @@
 #include "intrinsic_delaunay/intrinsic_delaunay.hpp"
 
 #include "reconstruction/front_json.hpp"
+#include "reconstruction/hole_stage.hpp"
 #include "reconstruction/methods.hpp"
 
 namespace surfaced {
@@ -20,8 +21,13 @@ Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Jso
   Result<IntrinsicDelaunayResult> result = intrinsic_delaunay(cloud, parameters_of(parameters), context);
   if (!result) return std::move(result).error();
   Json statistics = statistics_json(result->statistics.front);
-  return Reconstruction{
+  Reconstruction made{
       .mesh = std::move(result->mesh), .warnings = std::move(result->warnings), .statistics = std::move(statistics)};
+  if (parameters.at("fill_holes") == "all") {
+    const FillParameters fill{.holes = FillParameters::Holes::all, .rotation = rotation_of(parameters)};
+    if (Status filled = run_hole_stage(made, fill, context); !filled) return std::move(filled).error();
+  }
+  return made;
 }
 
 Json parameter_properties() {
@@ -35,11 +41,8 @@ Json parameter_properties() {
          "distance to the 6th nearest neighbour at each end."},
         {"x-unit", "unit of the input"}}},
       {"max_edge", max_edge_property()},
-      {"fill_holes",
-       {{"enum", {"small", "none"}},
-        {"default", "small"},
-        {"title", "Holes to close"},
-        {"description", "small closes holes of up to 30 edges without new vertices."}}}};
+      {"fill_holes", fill_holes_property("small")},
+      {"rotation", rotation_property()}};
 }
 
 }  // namespace
@@ -54,7 +57,8 @@ Method intrinsic_delaunay_method() {
                          "estimation from point samples, Journal of Computational and Applied Mathematics 274 "
                          "(2015)",
                .guarantees = {"The mesh is consistently oriented, edge- and vertex-manifold.",
-                              "Every vertex of the mesh is an input point.", "Closed parts face outwards."},
+                              "Every vertex of the mesh is an input point, save those that fill_holes=all adds.",
+                              "Closed parts face outwards."},
                .limitations = {"Closedness is reported, not promised.",
                                "The mesh may intersect itself where parts come closer than the points are dense.",
                                "Points may stay unused; the report counts them."},

@@ -1,5 +1,6 @@
 #include "local_delaunay/local_delaunay.hpp"
 #include "reconstruction/front_json.hpp"
+#include "reconstruction/hole_stage.hpp"
 #include "reconstruction/methods.hpp"
 
 namespace surfaced {
@@ -22,9 +23,13 @@ Parameters parameters_of(const Json& json) {
 Result<Reconstruction> run_local_delaunay(const PointCloud& cloud, const Json& parameters, Context& context) {
   Result<LocalDelaunayResult> result = local_delaunay(cloud, parameters_of(parameters), context);
   if (!result) return std::move(result).error();
-  return Reconstruction{.mesh = std::move(result->mesh),
-                        .warnings = std::move(result->warnings),
-                        .statistics = statistics_json(result->statistics)};
+  Reconstruction made{.mesh = std::move(result->mesh),
+                      .warnings = std::move(result->warnings),
+                      .statistics = statistics_json(result->statistics)};
+  if (parameters.at("fill_holes") == "all") {
+    if (Status filled = run_hole_stage(made, {}, context); !filled) return std::move(filled).error();
+  }
+  return made;
 }
 
 Json star_properties() {
@@ -61,10 +66,7 @@ Json parameter_properties() {
                         {"description",
                          "triangle starts from all triangles on which three local triangulations agree; paper from one "
                          "local triangulation per component."}};
-  properties["fill_holes"] = {{"enum", {"small", "none"}},
-                              {"default", "small"},
-                              {"title", "Holes to close"},
-                              {"description", "small closes holes of up to 30 edges without new vertices."}};
+  properties["fill_holes"] = fill_holes_property("small");
   return properties;
 }
 
@@ -77,7 +79,8 @@ Method local_delaunay_method() {
                               "structure in space. For dense scans and very large clouds; keeps large openings.",
                    .source = "H. H. Bíscaro, Efficient reconstruction from scattered points, WSCG 2010",
                    .guarantees = {"The mesh is consistently oriented, edge- and vertex-manifold.",
-                                  "Every vertex of the mesh is an input point.", "Closed parts face outwards."},
+                                  "Every vertex of the mesh is an input point, save those that fill_holes=all adds.",
+                                  "Closed parts face outwards."},
                    .limitations = {"Closedness is reported, not promised.",
                                    "The mesh may intersect itself where parts come closer than the points are dense.",
                                    "Points may stay unused; the report counts them."},

@@ -119,6 +119,9 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
                          const Measured& measured) {
   std::vector<std::string> warnings = cloud.warnings;
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
+  if (const Json& open = measured.mesh.at("boundary_edges"); open > 0) {
+    warnings.push_back("the mesh is open: " + open.dump() + " edges have one triangle");
+  }
   if (measured.encoding.at("merged_vertices") > 0) {
     warnings.push_back(measured.encoding.at("merged_vertices").dump() +
                        " vertices share a position with another after encoding");
@@ -130,6 +133,7 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
               {"warnings", warnings},
               {"quality", measured.quality},
               {"method_statistics", result.statistics},
+              {"hole_filling", result.hole_filling},
               {"encoding", measured.encoding},
               {"provenance", {{"generator", "surfaced"}, {"version", version()}}}};
 }

@@ -62,6 +62,8 @@ struct Reconstruction {
   std::vector<std::string> warnings;
   /// The method's own statistics, for the report's field `method_statistics`; may be null.
   Json statistics;
+  /// What the stage `fill_holes` did, for the report's field `hole_filling`; null if it did not run.
+  Json hole_filling = nullptr;
 };
 
 /// Runs a method with checked parameters. The mesh is sorted, has no unused vertices, carries the

@@ -58,7 +58,8 @@ TEST(FindMethod, names_the_methods_there_are) {
 TEST(CheckParameters, fills_in_the_defaults_in_the_schema_s_order) {
   const auto parameters = check_parameters(front(), Json::object());
   ASSERT_TRUE(parameters);
-  EXPECT_EQ(parameters->dump(), R"({"radius_ratio_bound":5,"beta":0.52,"up":"y","quantization":"none"})");
+  EXPECT_EQ(parameters->dump(),
+            R"({"radius_ratio_bound":5,"beta":0.52,"fill_holes":"none","up":"y","quantization":"none"})");
 }
 
 TEST(CheckParameters, names_the_parameter_the_value_and_what_is_allowed) {
@@ -109,6 +110,50 @@ TEST_F(Files, report_agrees_with_a_recount_of_the_written_mesh) {
     EXPECT_EQ(report->at("mesh").at("closed"), true);
     EXPECT_EQ(report->at("quality").at("unused_points"), 0);
     EXPECT_EQ(report->at("quality").at("interior_vertices"), 0);
+  }
+}
+
+/// A sphere of points without a cap of some 50 points across.
+std::vector<Point3> open_sphere() {
+  std::vector<Point3> points = testing::sphere_points(4000);
+  std::erase_if(points, [](const Point3& p) { return p[2] > 0.8; });
+  return points;
+}
+
+TEST_F(Files, holes_are_filled_behind_any_method_that_leaves_them_and_counted) {
+  const auto cloud = write_cloud("open.ply", open_sphere());
+  for (const auto& [id, keep_open] :
+       std::vector<std::pair<std::string, Json>>{{"advancing-front", Json{{"radius_ratio_bound", 1.5}, {"beta", 0}}},
+                                                 {"local-delaunay", Json{{"max_edge", 3}}},
+                                                 {"intrinsic-delaunay", Json{{"max_edge", 3}}}}) {
+    const MethodInfo& method = **find_method(id);
+    const auto run_with = [&](const std::string& holes) {
+      Json parameters = keep_open;
+      parameters["fill_holes"] = holes;
+      Context context;
+      return reconstruct_file(
+          {cloud, folder_ / (id + holes + ".glb"), &method, *check_parameters(method, parameters), {}, {}}, context);
+    };
+    const auto open = run_with("none");
+    const auto filled = run_with("all");
+    ASSERT_TRUE(open && filled) << id;
+    EXPECT_TRUE(open->at("hole_filling").is_null());
+    ASSERT_EQ(open->at("mesh").at("closed"), false) << id;
+    EXPECT_THAT(open->at("warnings").dump(), HasSubstr("the mesh is open"));
+    EXPECT_EQ(filled->at("mesh").at("closed"), true) << id;
+    EXPECT_EQ(filled->at("mesh").at("vertex_manifold"), true);
+    EXPECT_EQ(filled->at("warnings").size(), 0U) << filled->at("warnings").dump();
+    const Json& filling = filled->at("hole_filling");
+    EXPECT_EQ(filling.at("filled"), filling.at("loops"));
+    EXPECT_GT(filling.at("vertices_added"), 20);
+    EXPECT_EQ(filled->at("mesh").at("vertices"), open_sphere().size() -
+                                                     filled->at("quality").at("unused_points").get<std::size_t>() +
+                                                     filling.at("vertices_added").get<std::size_t>());
+    EXPECT_NEAR(filled->at("quality").at("volume"), 4.19, 0.03) << id;
+    EXPECT_THAT(filled->at("stages").dump(), HasSubstr("fill_holes"));
+    const auto mesh = read_mesh(folder_ / (id + "all.glb"));
+    ASSERT_TRUE(mesh);
+    for (const Point3& p : mesh->positions) EXPECT_NEAR(norm(p), 1, 0.02);
   }
 }
 
