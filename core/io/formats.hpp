@@ -31,6 +31,30 @@ Result<RawCloud> read_draco_cloud(std::span<const std::byte> bytes, std::string_
 Result<TriangleMesh> read_draco_mesh(std::span<const std::byte> bytes, std::string_view name,
                                      const std::optional<DracoIds>& ids, std::vector<std::string>& warnings);
 
+Result<RawCloud> read_gltf_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits);
+Result<RawCloud> read_las_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
+Result<RawCloud> read_pcd_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
+Result<RawCloud> read_obj_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
+Result<TriangleMesh> read_obj_mesh(ByteSource& source, std::string_view name, std::vector<std::string>& warnings);
+Result<RawCloud> read_text_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
+
+/// STL has no magic: a binary file is told by its length, or by zeros among the first bytes after 'solid'.
+enum class StlKind : std::uint8_t { ascii, binary };
+std::optional<StlKind> stl_kind_of(std::span<const std::byte> start, std::uint64_t size);
+Result<RawCloud> read_stl_cloud(ByteSource& source, std::string_view name, StlKind kind, const ReadLimits& limits);
+/// Vertices of the same position are one, numbered in the order in which the facets name them.
+Result<TriangleMesh> read_stl_mesh(ByteSource& source, std::string_view name, StlKind kind,
+                                   std::vector<std::string>& warnings);
+
+/// Whether text begins as these formats do.
+bool looks_like_pcd(std::string_view start);
+bool looks_like_obj(std::string_view start);
+bool looks_like_text_cloud(std::string_view start);
+
+/// The limit on points, and the error of a file that has more.
+std::uint64_t most_points(const ReadLimits& limits);
+Error too_many(std::string_view name, std::uint64_t points, std::uint64_t limit);
+
 /// Triangles with a repeated vertex are left out by every reader, which says so.
 void warn_of_degenerate(std::size_t triangles, std::vector<std::string>& warnings);
 

@@ -123,11 +123,15 @@ double component_at(const Elements& elements, std::size_t i, std::size_t c) {
   }
 }
 
+/// What is taken of a scene: its triangles, or the vertices of whatever it shows.
+enum class Taken : std::uint8_t { triangles, points };
+
 /// Walks a scene and joins its primitives into one mesh.
 class SceneReader {
  public:
-  SceneReader(const GltfDocument& document, std::size_t file_size, std::vector<std::string>& warnings)
+  SceneReader(const GltfDocument& document, std::size_t file_size, Taken taken, std::vector<std::string>& warnings)
       : document_(document),
+        taken_(taken),
         most_vertices_(std::min<std::uint64_t>(kVerticesPerByte * std::max<std::uint64_t>(file_size, kSmallFile),
                                                VertexIndex::kNone)),
         most_triangles_(kTrianglesPerByte * std::max<std::uint64_t>(file_size, kSmallFile)),
@@ -214,7 +218,7 @@ class SceneReader {
 
   void add_primitive(const Json& primitive, const Affine& transform) {
     const std::uint64_t mode = document_.whole(primitive, "mode", kTriangles);
-    if (mode < kTriangles || mode > kFan) {
+    if (taken_ == Taken::triangles && (mode < kTriangles || mode > kFan)) {
       ++without_triangles_;
       return;
     }
@@ -224,6 +228,7 @@ class SceneReader {
       return;
     }
     const VertexSpan vertices = add_vertices(document_.member(primitive, "attributes"), transform);
+    if (taken_ == Taken::points) return;
     add_triangles(document_.member(primitive, "indices"), mode, vertices, transform.determinant() < 0);
   }
 
@@ -382,7 +387,10 @@ class SceneReader {
   }
 
   void finish() {
-    if (mesh_.positions.empty()) document_.refuse(ErrorCode::empty_input, "the scene has no triangles");
+    if (mesh_.positions.empty()) {
+      document_.refuse(ErrorCode::empty_input,
+                       taken_ == Taken::triangles ? "the scene has no triangles" : "the scene has no points");
+    }
     if (normals_missing_ && !mesh_.normals.empty()) warnings_.emplace_back("normals dropped: not all parts have them");
     if (colors_missing_ && !mesh_.colors.empty()) warnings_.emplace_back("colours dropped: not all parts have them");
     if (normals_missing_) mesh_.normals.clear();
@@ -394,6 +402,7 @@ class SceneReader {
   }
 
   const GltfDocument& document_;
+  Taken taken_;
   std::uint64_t most_vertices_;
   std::uint64_t most_triangles_;
   std::vector<std::string>& warnings_;
@@ -411,7 +420,22 @@ Result<TriangleMesh> read_gltf_mesh(std::span<const std::byte> bytes, std::strin
                                     std::vector<std::string>& warnings) {
   try {
     const GltfDocument document(bytes, name);
-    return SceneReader(document, bytes.size(), warnings).run();
+    return SceneReader(document, bytes.size(), Taken::triangles, warnings).run();
+  } catch (Refusal& refusal) {
+    return std::move(refusal.error);
+  }
+}
+
+Result<RawCloud> read_gltf_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits) {
+  try {
+    RawCloud cloud;
+    const GltfDocument document(bytes, name);
+    TriangleMesh mesh = SceneReader(document, bytes.size(), Taken::points, cloud.warnings).run();
+    if (mesh.positions.size() > most_points(limits)) return too_many(name, mesh.positions.size(), most_points(limits));
+    cloud.positions = std::move(mesh.positions);
+    cloud.normals = std::move(mesh.normals);
+    cloud.colors = std::move(mesh.colors);
+    return cloud;
   } catch (Refusal& refusal) {
     return std::move(refusal.error);
   }

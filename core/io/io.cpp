@@ -16,8 +16,10 @@ namespace {
 
 using io::ByteSource;
 
-/// Enough of a file to tell its format and to show what it is instead.
-constexpr std::size_t kSniffed = 16;
+/// Enough of a file to tell its format: text may begin with comments.
+constexpr std::size_t kSniffed = std::size_t{16} << 10;
+/// Enough of a file to show what it is.
+constexpr std::size_t kShown = 16;
 constexpr std::string_view kDracoMagic = "DRACO";
 
 constexpr auto kExtensions = std::to_array<std::pair<std::string_view, MeshFormat>>({
@@ -46,7 +48,7 @@ std::string shown(std::span<const std::byte> bytes) {
   constexpr std::string_view kHex = "0123456789ABCDEF";
   std::string hex;
   std::string text;
-  for (const std::byte b : bytes.first(std::min(bytes.size(), kSniffed))) {
+  for (const std::byte b : bytes.first(std::min(bytes.size(), kShown))) {
     const auto value = std::to_integer<unsigned>(b);
     hex += hex.empty() ? "" : " ";
     hex += kHex[value >> 4];
@@ -62,19 +64,21 @@ bool starts_with(std::span<const std::byte> bytes, std::string_view magic) {
          });
 }
 
+/// What people send that is no cloud, or none that is read here.
+constexpr auto kStrangers = std::to_array<std::pair<std::string_view, std::string_view>>({
+    {"\x89PNG", "a PNG picture"},
+    {"PK\x03\x04", "a ZIP archive; send the file that is in it"},
+    {"\x1f\x8b", "gzip; unpack it first"},
+    {"ASTM-E57", "an E57 scan; convert it to LAS, PLY or PTS"},
+    {"OFF", "an OFF mesh; convert it to OBJ or PLY"},
+});
+
 Error unknown_format(std::span<const std::byte> start, std::string_view name, const std::string& known) {
   std::string what;
-  if (starts_with(start, "\x89PNG")) what = ", a PNG picture";
+  for (const auto& [magic, stranger] : kStrangers) {
+    if (starts_with(start, magic)) what = ", " + std::string(stranger);
+  }
   return {ErrorCode::unknown_format, std::string(name) + " begins with " + shown(start) + what + "; " + known};
-}
-
-Result<RawCloud> parse(ByteSource& source, std::string_view name, const ReadLimits& limits) {
-  const std::span<const std::byte> start = source.peek(kSniffed);
-  if (source.failure()) return *source.failure();
-  if (start.empty()) return Error{ErrorCode::empty_input, std::string(name) + " has 0 bytes"};
-  if (io::looks_like_ply(start)) return io::read_ply_cloud(source, name, limits);
-  if (starts_with(start, kDracoMagic)) return io::read_draco_cloud(source.rest(), name, limits);
-  return unknown_format(start, name, "a PLY begins with 'ply', a Draco file with 'DRACO'");
 }
 
 /// A GLB, or text that begins with an object.
@@ -86,6 +90,35 @@ bool looks_like_gltf(std::span<const std::byte> bytes) {
   return starts_with(bytes, "glTF") || (first != bytes.end() && *first == std::byte{'{'});
 }
 
+/// The start as text, without the byte order mark that some programs write.
+std::string_view text_at(ByteSource& source) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  if (starts_with(source.peek(kSniffed), kMark)) source.advance(kMark.size());
+  const std::span<const std::byte> start = source.peek(kSniffed);
+  return {reinterpret_cast<const char*>(start.data()), std::min(start.size(), kSniffed)};
+}
+
+Result<RawCloud> parse(ByteSource& source, std::string_view name, const ReadLimits& limits) {
+  const std::span<const std::byte> start = source.peek(kSniffed);
+  if (source.failure()) return *source.failure();
+  if (start.empty()) return Error{ErrorCode::empty_input, std::string(name) + " has 0 bytes"};
+  if (io::looks_like_ply(start)) return io::read_ply_cloud(source, name, limits);
+  if (starts_with(start, kDracoMagic)) return io::read_draco_cloud(source.rest(), name, limits);
+  if (starts_with(start, "LASF")) return io::read_las_cloud(source, name, limits);
+  if (looks_like_gltf(start)) return io::read_gltf_cloud(source.rest(), name, limits);
+  if (const auto stl = io::stl_kind_of(start, source.remaining()))
+    return io::read_stl_cloud(source, name, *stl, limits);
+  const std::string_view text = text_at(source);
+  if (io::looks_like_pcd(text)) return io::read_pcd_cloud(source, name, limits);
+  if (io::looks_like_obj(text)) return io::read_obj_cloud(source, name, limits);
+  if (io::looks_like_text_cloud(text)) return io::read_text_cloud(source, name, limits);
+  return unknown_format(
+      source.peek(kSniffed), name,
+      "a PLY begins with 'ply', a Draco file with 'DRACO', a LAS with 'LASF', a PCD with '# .PCD', a "
+      "GLB with 'glTF', an OBJ with statements such as 'v', text with numbers or a header x, y, z; an STL "
+      "is told by its length or by 'solid'");
+}
+
 Result<TriangleMesh> parse_mesh(ByteSource& source, std::string_view name, std::vector<std::string>* warnings) {
   const std::span<const std::byte> start = source.peek(kSniffed);
   if (source.failure()) return *source.failure();
@@ -95,8 +128,12 @@ Result<TriangleMesh> parse_mesh(ByteSource& source, std::string_view name, std::
   if (io::looks_like_ply(start)) return io::read_ply_mesh(source, name, heard);
   if (starts_with(start, kDracoMagic)) return io::read_draco_mesh(source.rest(), name, {}, heard);
   if (looks_like_gltf(start)) return io::read_gltf_mesh(source.rest(), name, heard);
-  return unknown_format(start, name,
-                        "a PLY begins with 'ply', a Draco file with 'DRACO', a GLB with 'glTF', a glTF with '{'");
+  if (const auto stl = io::stl_kind_of(start, source.remaining())) return io::read_stl_mesh(source, name, *stl, heard);
+  if (io::looks_like_obj(text_at(source))) return io::read_obj_mesh(source, name, heard);
+  return unknown_format(
+      source.peek(kSniffed), name,
+      "a PLY begins with 'ply', a Draco file with 'DRACO', a GLB with 'glTF', a glTF with '{', an OBJ "
+      "with statements such as 'v'; an STL is told by its length or by 'solid'");
 }
 
 /// What no format could hold. Says which vertex or triangle it is.
@@ -128,6 +165,15 @@ namespace io {
 
 void warn_of_degenerate(std::size_t triangles, std::vector<std::string>& warnings) {
   if (triangles > 0) warnings.push_back(std::to_string(triangles) + " triangles with a repeated vertex left out");
+}
+
+std::uint64_t most_points(const ReadLimits& limits) {
+  return std::min<std::uint64_t>(limits.max_points, VertexIndex::kNone);
+}
+
+Error too_many(std::string_view name, std::uint64_t points, std::uint64_t limit) {
+  return {ErrorCode::too_many_points,
+          std::string(name) + ": " + std::to_string(points) + " points; the limit is " + std::to_string(limit)};
 }
 
 }  // namespace io

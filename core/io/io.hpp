@@ -21,9 +21,8 @@ struct ReadLimits {
   std::uint64_t max_points = 500'000'000;
 };
 
-/// Reads a point cloud: PLY (ascii, binary little or big endian) or Draco (cloud or mesh, sequential or
-/// kd-tree), told by its first bytes. Declared counts are checked against the bytes at hand before
-/// anything is allocated.
+/// Reads a point cloud: PLY, Draco, LAS, PCD, glTF, OBJ, STL or text (README.md), told by its first bytes.
+/// Declared counts are checked against the bytes at hand before anything is allocated.
 /// @return  the points in file order; input_unreadable, empty_input, unknown_format, malformed_input,
 ///          truncated_input, missing_positions, unsupported_feature, too_many_points.
 /// Coordinates are not judged here (make_cloud does). Messages call the cloud `name`, or without one by its

@@ -77,7 +77,7 @@ int reconstruct(const Options& options) {
 void add_reconstruct(CLI::App& app, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("reconstruct", "Turn a point cloud into a mesh");
-  command->add_option("CLOUD", options->cloud, "Point cloud: PLY or Draco, told by content")->required();
+  command->add_option("CLOUD", options->cloud, "Point cloud: PLY, Draco, LAS, PCD, glTF, OBJ, STL or text, told by content")->required();
   command->add_option("-o", options->mesh, "Mesh to write: .glb, .gltf, .drc or .ply")->required()->type_name("MESH");
   command->add_option("--method", options->method, "Method, see: surfaced methods")
       ->capture_default_str()

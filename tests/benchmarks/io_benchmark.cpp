@@ -11,6 +11,7 @@
 #include "benchmarks/io_peers.hpp"
 #include "io/io.hpp"
 #include "support/ply_files.hpp"
+#include "support/scan_files.hpp"
 #include "support/shapes.hpp"
 
 namespace surfaced::benchmarks {
@@ -89,6 +90,59 @@ BENCHMARK_CAPTURE(read, normals_colours_surfaced, read_with_surfaced, PlyForm::l
 BENCHMARK_CAPTURE(read, ascii_surfaced, read_with_surfaced, PlyForm::ascii, false)->Apply(sizes);
 BENCHMARK_CAPTURE(read, ascii_cgal, read_with_cgal, PlyForm::ascii, false)->Apply(sizes);
 BENCHMARK_CAPTURE(read, ascii_draco, read_with_draco, PlyForm::ascii, false)->Apply(sizes);
+
+/// Text of a file of `points` points (STL: facets) in a format of other programs.
+std::string other_format(std::string_view format, std::size_t points) {
+  if (format == "las") {
+    std::vector<testing::LasPoint> records(points);
+    for (std::size_t i = 0; i < points; ++i) {
+      const auto n = static_cast<std::int32_t>(i);
+      records[i] = {{n, n * 7 % 1000, -n}, {static_cast<std::uint16_t>(i), 7, 9}};
+    }
+    return testing::las_file(records);
+  }
+  if (format == "stl") return testing::binary_stl(testing::Facets(points, testing::two_facets()[1]));
+  if (format == "glb") {
+    const auto bytes = encode_mesh(testing::torus_mesh(points / 500, 500), MeshFormat::glb).value();
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  const std::string n = std::to_string(points);
+  testing::ByteWriter columns;
+  for (std::size_t i = 0; i < 4 * points; ++i) columns.put(static_cast<float>(i * 7 % 1000) / 8);
+  const std::string head = "VERSION .7\nFIELDS x y z i\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH " + n + "\nHEIGHT 1\nDATA ";
+  if (format == "pcd") return head + "binary\n" + columns.text;
+  if (format == "pcd_compressed") {
+    const std::string packed = testing::lzf_of(columns.text);
+    testing::ByteWriter sizes;
+    sizes.put(static_cast<std::uint32_t>(packed.size())).put(static_cast<std::uint32_t>(columns.text.size()));
+    return head + "binary_compressed\n" + sizes.text + packed;
+  }
+  std::string text;
+  for (std::size_t i = 0; i < points; ++i) {
+    text += (format == "obj" ? "v " : "") + std::to_string(static_cast<double>(i) / 7) + " " +
+            std::to_string(i % 1000) + ".125 -" + std::to_string(i) + ".5\n";
+  }
+  return text;
+}
+
+void read_other(benchmark::State& state, const char* format) {
+  const fs::path path = fs::temp_directory_path() / ("surfaced_benchmark_" + std::to_string(::getpid()) + "." + format);
+  const std::string text = other_format(format, static_cast<std::size_t>(state.range(0)));
+  if (!write_file(path, std::as_bytes(std::span(text.data(), text.size())))) std::abort();
+  for ([[maybe_unused]] auto _ : state) {
+    if (!read_cloud(path)) state.SkipWithError("the points were not read");
+  }
+  state.SetBytesProcessed(static_cast<std::int64_t>(text.size()) * state.iterations());
+  fs::remove(path);
+}
+
+BENCHMARK_CAPTURE(read_other, las, "las")->Arg(4'000'000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(read_other, pcd_binary, "pcd")->Arg(4'000'000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(read_other, pcd_compressed, "pcd_compressed")->Arg(4'000'000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(read_other, stl_binary, "stl")->Arg(2'000'000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(read_other, glb, "glb")->Arg(2'000'000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(read_other, xyz, "xyz")->Arg(2'000'000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(read_other, obj, "obj")->Arg(2'000'000)->Unit(benchmark::kMillisecond);
 
 void encode(benchmark::State& state, MeshFormat format) {
   const TriangleMesh mesh = testing::torus_mesh(static_cast<std::size_t>(state.range(0)), 500);

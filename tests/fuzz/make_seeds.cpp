@@ -5,6 +5,7 @@
 #include "io/io.hpp"
 #include "support/draco_files.hpp"
 #include "support/ply_files.hpp"
+#include "support/scan_files.hpp"
 #include "support/shapes.hpp"
 
 namespace {
@@ -74,6 +75,27 @@ void save_mesh_seeds() {
   save_text("mesh/nodes.gltf", kTwoNodes);
 }
 
+void save_scan_seeds() {
+  for (const auto& [name, text] : text_clouds()) save_text("text/" + name, text);
+  save_text("obj/hand.obj", kObj);
+  save_text("obj/cloud.obj", "vn 0 0 1\nv 1 2 3\nvn 1 0 0\nv 4 5 6 1\n");
+  save_text("stl/binary.stl", binary_stl(two_facets()));
+  save_text("stl/far.stl", binary_stl(two_facets(), "surfaced, origin 412000.5 5654000 -2 "));
+  save_text("stl/solid.stl", binary_stl(two_facets(), "solid binary"));
+  save_text("stl/ascii.stl", ascii_stl(two_facets()));
+  save_text("pcd/ascii.pcd", pcd_ascii());
+  save_text("pcd/binary.pcd", pcd_binary());
+  save_text("pcd/compressed.pcd", pcd_compressed());
+  for (const int format : {0, 2, 7}) {
+    save_text("las/" + std::to_string(format) + ".las", las_file({{{1, -2, 3}, {65535, 0, 7}}, {{4, 5, 6}, {1, 2, 3}}},
+                                                                 {.minor = format == 7 ? 4 : 2, .format = format}));
+  }
+  std::string points(kTwoNodes);
+  points.replace(points.find("\"mode\":5"), 8, "\"mode\":0");
+  save_text("gltf/points.gltf", points);
+  save("gltf/painted.glb", encode_mesh(painted(tetrahedron()), MeshFormat::glb).value());
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -85,5 +107,6 @@ int main(int count, char** arguments) {
   save_ply_seeds();
   save_draco_seeds();
   save_mesh_seeds();
+  save_scan_seeds();
   return failed ? 1 : 0;
 }

@@ -1,0 +1,151 @@
+// LAS 1.2 to 1.4 (ASPRS, "LAS specification 1.4 R15", 2019): positions and colours of point records 0 to 10.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "io/colors.hpp"
+#include "io/formats.hpp"
+#include "io/scalars.hpp"
+
+namespace surfaced::io {
+namespace {
+
+constexpr std::size_t kHeader = 227;    // 1.2
+constexpr std::size_t kHeader14 = 375;  // 1.4
+/// Records converted at once.
+constexpr std::size_t kBlock = 4096;
+
+/// Least length of a point record by its format, and where its colour stands (0: nowhere).
+struct Record {
+  std::uint16_t length;
+  std::uint16_t color;
+};
+constexpr auto kRecords = std::to_array<Record>(
+    {{20, 0}, {28, 0}, {26, 20}, {34, 28}, {57, 0}, {63, 28}, {30, 0}, {36, 30}, {38, 30}, {59, 0}, {67, 30}});
+
+/// What a header says, checked against itself and the size of the file.
+struct LasHeader {
+  std::uint64_t offset = 0;
+  std::uint64_t count = 0;
+  std::size_t stride = 0;
+  std::size_t color = 0;
+  Point3 scale{};
+  Point3 shift{};
+};
+
+class LasReader {
+ public:
+  LasReader(ByteSource& source, std::string_view name, const ReadLimits& limits)
+      : source_(source), name_(name), most_(most_points(limits)) {}
+
+  Result<RawCloud> run() {
+    const Result<LasHeader> header = read_header();
+    if (!header) return header.error();
+    if (Status status = check_size(*header); !status) return std::move(status).error();
+    if (!source_.skip(header->offset)) return truncated("the file ends before its point records");
+    return read_records(*header);
+  }
+
+ private:
+  Error error(ErrorCode code, const std::string& what) const { return {code, std::string(name_) + ": " + what}; }
+  Error truncated(const std::string& what) const { return error(ErrorCode::truncated_input, what); }
+  Error malformed(const std::string& what) const { return error(ErrorCode::malformed_input, what); }
+
+  Result<LasHeader> read_header() {
+    const std::span<const std::byte> bytes = source_.peek(kHeader14);
+    if (bytes.size() < kHeader) {
+      return truncated("the LAS header takes " + std::to_string(kHeader) + " bytes, " + std::to_string(bytes.size()) +
+                       " are there");
+    }
+    const auto major = load_little<std::uint8_t>(bytes.data() + 24);
+    const auto minor = load_little<std::uint8_t>(bytes.data() + 25);
+    if (major != 1 || minor > 4) {
+      return error(ErrorCode::unsupported_feature,
+                   "LAS version " + std::to_string(major) + "." + std::to_string(minor) + "; 1.0 to 1.4 are read");
+    }
+    const auto format = load_little<std::uint8_t>(bytes.data() + 104);
+    if (format >= 64) {
+      return error(ErrorCode::unsupported_feature,
+                   "the points are compressed (LAZ, point format " + std::to_string(format) +
+                       "); convert it with 'laszip -i cloud.laz -o cloud.las' or 'pdal translate cloud.laz cloud.las'");
+    }
+    if (format >= kRecords.size()) {
+      return error(ErrorCode::unsupported_feature, "point format " + std::to_string(format) + "; 0 to 10 are read");
+    }
+    LasHeader header;
+    header.offset = load_little<std::uint32_t>(bytes.data() + 96);
+    header.stride = load_little<std::uint16_t>(bytes.data() + 105);
+    header.count = load_little<std::uint32_t>(bytes.data() + 107);
+    header.color = kRecords.at(format).color;
+    if (minor >= 4) {
+      if (bytes.size() < kHeader14)
+        return truncated("the header of LAS 1.4 takes " + std::to_string(kHeader14) + " bytes, " +
+                         std::to_string(bytes.size()) + " are there");
+      header.count = load_little<std::uint64_t>(bytes.data() + 247);
+    }
+    if (header.stride < kRecords.at(format).length) {
+      return malformed("point records of " + std::to_string(header.stride) + " bytes; format " +
+                       std::to_string(format) + " takes " + std::to_string(kRecords.at(format).length));
+    }
+    if (header.offset < kHeader)
+      return malformed("the point records begin within the header, at byte " + std::to_string(header.offset));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      header.scale[axis] = load_little<double>(bytes.data() + 131 + 8 * axis);
+      header.shift[axis] = load_little<double>(bytes.data() + 155 + 8 * axis);
+      if (std::isfinite(header.scale[axis]) && header.scale[axis] != 0 && std::isfinite(header.shift[axis])) continue;
+      return malformed(std::string("the scale of ") + "xyz"[axis] + " is " + std::to_string(header.scale[axis]) +
+                       ", its offset " + std::to_string(header.shift[axis]));
+    }
+    return header;
+  }
+
+  Status check_size(const LasHeader& header) const {
+    if (header.count == 0) return error(ErrorCode::empty_input, "the LAS declares 0 points");
+    if (header.count > most_) return too_many(name_, header.count, most_);
+    const std::uint64_t size = source_.remaining();
+    const std::uint64_t room = size < header.offset ? 0 : (size - header.offset) / header.stride;
+    if (header.count <= room) return Done{};
+    return truncated("the LAS declares " + std::to_string(header.count) + " points, " + std::to_string(room) +
+                     " are there");
+  }
+
+  Result<RawCloud> read_records(const LasHeader& header) {
+    RawCloud cloud;
+    std::vector<WideColor> colors;
+    cloud.positions.resize(static_cast<std::size_t>(header.count));
+    if (header.color != 0) colors.resize(cloud.size());
+    for (std::size_t done = 0; done < cloud.size();) {
+      const std::span<const std::byte> window = source_.peek(header.stride);
+      const std::size_t count = std::min({window.size() / header.stride, kBlock, cloud.size() - done});
+      if (count == 0) return truncated("the file ends within point " + std::to_string(done));
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::byte* const record = window.data() + i * header.stride;
+        Point3& p = cloud.positions[done + i];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          p[axis] = load_little<std::int32_t>(record + 4 * axis) * header.scale[axis] + header.shift[axis];
+        }
+        if (header.color == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c) {
+          colors[done + i].at(c) = static_cast<float>(load_little<std::uint16_t>(record + header.color + 2 * c));
+        }
+      }
+      source_.advance(count * header.stride);
+      done += count;
+    }
+    const bool black = std::ranges::all_of(colors, [](const WideColor& c) { return c == WideColor{}; });
+    if (!black) cloud.colors = to_bytes(colors, false, false, cloud.warnings);
+    return cloud;
+  }
+
+  ByteSource& source_;
+  std::string_view name_;
+  std::uint64_t most_;
+};
+
+}  // namespace
+
+Result<RawCloud> read_las_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits) {
+  return LasReader(source, name, limits).run();
+}
+
+}  // namespace surfaced::io

@@ -1,0 +1,87 @@
+#include "io/text_lines.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace surfaced::io {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// Offset of the first line end, or npos.
+std::size_t line_end_in(std::string_view text) {
+  const std::size_t feed = text.find('\n');
+  return std::min(feed, text.substr(0, feed).find('\r'));
+}
+
+std::string_view without_quotes(std::string_view value) {
+  const bool quoted = value.size() >= 2 && value.front() == '"' && value.back() == '"';
+  return quoted ? value.substr(1, value.size() - 2) : value;
+}
+
+}  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string_view take_word(std::string_view& text) {
+  text = trimmed(text);
+  const auto* const end = std::ranges::find_if(text, is_blank);
+  const std::string_view word = text.substr(0, static_cast<std::size_t>(end - text.begin()));
+  text.remove_prefix(word.size());
+  return word;
+}
+
+std::string in_lower_case(std::string_view text) {
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return lower;
+}
+
+Error TextLines::error(ErrorCode code, const std::string& what) const {
+  return {code, std::string(name_) + ": line " + std::to_string(number_) + ": " + what};
+}
+
+Result<bool> TextLines::next() {
+  const std::string_view window = text_of(source_.peek(kLongest + 2)).substr(0, kLongest + 2);
+  if (source_.failure()) return *source_.failure();
+  if (window.empty()) return false;
+  ++number_;
+  const std::size_t end = line_end_in(window);
+  if (end == std::string_view::npos && window.size() > kLongest) {
+    return malformed("longer than " + std::to_string(kLongest) + " bytes");
+  }
+  text_ = trimmed(window.substr(0, end));
+  std::size_t length = std::min(end, window.size());
+  if (end != std::string_view::npos) length += window.substr(end).starts_with("\r\n") ? 2U : 1U;
+  source_.advance(length);
+  return true;
+}
+
+void Columns::push(std::string_view value) {
+  if (count_ < kMost) values_[count_] = without_quotes(trimmed(value));
+  ++count_;
+}
+
+void Columns::split(std::string_view line, char separator) {
+  count_ = 0;
+  if (is_blank(separator)) {
+    for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) push(word);
+    return;
+  }
+  while (!line.empty()) {
+    const std::size_t end = std::min(line.find(separator), line.size());
+    push(line.substr(0, end));
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+}
+
+}  // namespace surfaced::io
