@@ -1,4 +1,4 @@
-// The only file of this room that knows CGAL.
+// CGAL's own triangulation, the peer that ours is compared with.
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Delaunay_triangulation_cell_base_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -9,6 +9,7 @@
 #include <new>
 
 #include "delaunay/delaunay.hpp"
+#include "delaunay/insertion_order.hpp"
 
 namespace surfaced {
 namespace {
@@ -20,46 +21,7 @@ using CellBase =
 using Structure = CGAL::Triangulation_data_structure_3<VertexBase, CellBase>;
 using Triangulation = CGAL::Delaunay_triangulation_3<Kernel, Structure>;
 
-/// One point in 8 goes to an earlier round, one in 64 to the one before, ...
-constexpr std::uint64_t kRoundRatio = 8;
-constexpr std::size_t kSmallestRound = 64;
 constexpr std::size_t kCancelStride = 1024;
-
-/// A fixed scrambling of the index (splitmix64), so that rounds are random but the same in every run.
-std::uint64_t scramble(std::uint64_t x) {
-  x += 0x9E3779B97F4A7C15ULL;
-  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
-  return x ^ (x >> 31U);
-}
-
-/// Biased randomised insertion order (Amenta, Choi, Rote 2003): rounds of growing size, each in the
-/// cloud's own Morton order, forwards and backwards in turn. The cloud is sorted already, so this costs no sorting.
-std::vector<std::uint32_t> insertion_order(std::size_t count) {
-  unsigned rounds = 1;
-  for (std::size_t n = count; n > kSmallestRound; n /= kRoundRatio) ++rounds;
-  std::vector<std::uint8_t> round_of(count);
-  std::vector<std::size_t> starts(rounds + 1, 0);
-  for (std::size_t v = 0; v < count; ++v) {
-    std::uint64_t bits = scramble(v);
-    unsigned round = rounds - 1;
-    while (round > 0 && bits % kRoundRatio == 0) {
-      --round;
-      bits /= kRoundRatio;
-    }
-    round_of[v] = static_cast<std::uint8_t>(round);
-    ++starts[round + 1];
-  }
-  for (unsigned r = 0; r < rounds; ++r) starts[r + 1] += starts[r];
-  std::vector<std::uint32_t> order(count);
-  std::vector<std::size_t> low(starts.begin(), starts.end() - 1);
-  std::vector<std::size_t> high(starts.begin() + 1, starts.end());
-  for (std::size_t v = 0; v < count; ++v) {
-    const unsigned r = round_of[v];
-    order[r % 2 == 0 ? low[r]++ : --high[r]] = static_cast<std::uint32_t>(v);
-  }
-  return order;
-}
 
 /// Inserts all points; false if cancelled.
 bool insert_all(Triangulation& triangulation, std::span<const Point3> points, Context& context) {
@@ -84,13 +46,13 @@ RawTriangulation copy_cells(const Triangulation& triangulation) {
   const Structure& structure = triangulation.tds();
   std::uint32_t count = 0;
   for (auto c = structure.cells_begin(); c != structure.cells_end(); ++c) c->info() = count++;
-  raw.vertices.resize(4 * std::size_t{count});
-  raw.neighbours.resize(4 * std::size_t{count});
-  std::size_t slot = 0;
-  for (auto c = structure.cells_begin(); c != structure.cells_end(); ++c, slot += 4) {
+  raw.cells.reserve(count);
+  for (auto c = structure.cells_begin(); c != structure.cells_end(); ++c) {
+    RawTriangulation::Cell& cell = raw.cells.emplace_back();
     for (int i = 0; i < 4; ++i) {
-      raw.vertices[slot + static_cast<std::size_t>(i)] = c->vertex(i)->info();
-      raw.neighbours[slot + static_cast<std::size_t>(i)] = c->neighbor(i)->info();
+      const auto slot = static_cast<std::size_t>(i);
+      cell.vertices[slot] = c->vertex(i)->info();
+      cell.mates[slot] = 4 * c->neighbor(i)->info() + static_cast<std::uint32_t>(c->neighbor(i)->index(c));
     }
   }
   return raw;

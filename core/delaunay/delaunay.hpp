@@ -123,21 +123,31 @@ struct EdgeNumbering {
 EdgeNumbering number_edges(const DelaunayComplex& complex, unsigned threads);
 
 /// Cells as a triangulator gives them: any order, any order of the vertices. The vertex at infinity has
-/// index V. Invariants: neighbours[4c+i] is the cell beyond the facet opposite vertices[4c+i]; the vertices
-/// of a cell are positively oriented (the order of an infinite cell: as if the vertex at infinity stood far
-/// off outside the hull facet).
+/// index V. Invariants: mates[i] is 4c'+i' for the facet opposite vertices[i] seen from its other cell c'; the
+/// vertices of a cell are positively oriented (the order of an infinite cell: as if the vertex at infinity stood
+/// far off outside the hull facet).
 struct RawTriangulation {
+  struct Cell {
+    std::array<std::uint32_t, 4> vertices;
+    std::array<std::uint32_t, 4> mates;
+  };
   int dimension = 3;
-  std::vector<std::uint32_t> vertices;
-  std::vector<std::uint32_t> neighbours;
+  std::vector<Cell> cells;
 };
 
-/// Triangulates distinct points; the way to put another Delaunay triangulation in CGAL's place.
-/// It must break ties on common spheres so that the cells do not depend on the order of insertion.
+/// Sides are numbered 4c+i in 32 bits.
+inline constexpr std::size_t kMostCells = Index<void>::kNone / 4;
+
+/// Triangulates distinct points; the way to put another Delaunay triangulation in this one's place.
+/// It must break ties on common spheres as the perturbation of Devillers and Teillaud does, so that the cells do
+/// not depend on the order of insertion.
 using Triangulator = Result<RawTriangulation> (*)(std::span<const Point3> points, Context& context);
 
-/// CGAL's Delaunay triangulation with exact predicates; inserts in parallel where the context has threads
-/// and the cloud is large enough for that to pay.
+/// Incremental insertion (Bowyer, Watson) into flat arrays, with exact predicates.
+/// @cost  O(V log V) expected for points on surfaces in Morton order; 32 bytes a cell, and nothing else that grows.
+Result<RawTriangulation> triangulate(std::span<const Point3> points, Context& context);
+
+/// CGAL's Delaunay triangulation: the same cells in more time and memory.
 Result<RawTriangulation> triangulate_with_cgal(std::span<const Point3> points, Context& context);
 
 /// Triangulates the cloud and flattens the result; enters the stages `delaunay` (up to progress
@@ -145,6 +155,6 @@ Result<RawTriangulation> triangulate_with_cgal(std::span<const Point3> points, C
 /// @return  too_few_points, collinear or coplanar (exact) with the number of distinct points; cancelled.
 /// @cost    O(V log V) expected for points on surfaces; 0.35 kB per point kept, about 0.9 kB at the peak.
 Result<DelaunayComplex> delaunay_complex(const PointCloud& cloud, Context& context, double until,
-                                         Triangulator triangulate = triangulate_with_cgal);
+                                         Triangulator triangulator = triangulate);
 
 }  // namespace surfaced

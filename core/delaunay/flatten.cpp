@@ -12,8 +12,6 @@ namespace surfaced {
 namespace {
 
 constexpr std::size_t kFewestPoints = 4;
-/// Corners are numbered 4c+i in 32 bits.
-constexpr std::size_t kMostCells = Index<void>::kNone / 4;
 
 using Tuple = std::array<std::uint32_t, 4>;
 
@@ -63,8 +61,7 @@ struct SortedCell {
 };
 
 SortedCell sorted_cell(const RawTriangulation& raw, std::uint32_t c) {
-  SortedCell cell{{}, c, 0, 0};
-  std::copy_n(&raw.vertices[4 * std::size_t{c}], 4, cell.vertices.begin());
+  SortedCell cell{raw.cells[c].vertices, c, 0, 0};
   std::array<std::uint8_t, 4> from{0, 1, 2, 3};
   cell.mirrored = sort_cell(cell.vertices, from) ? 1 : 0;
   for (unsigned i = 0; i < 4; ++i) cell.slots |= static_cast<std::uint8_t>(i << (2U * from[i]));
@@ -81,11 +78,11 @@ struct Places {
 /// Puts the cells in ascending order of their sorted vertices: counting sort by the least vertex, then a
 /// comparison sort of the few cells that share it.
 Places place_vertices(const RawTriangulation& raw, unsigned threads, DelaunayComplex& complex) {
-  const std::size_t cells = raw.vertices.size() / 4;
+  const std::size_t cells = raw.cells.size();
   std::vector<std::uint32_t> starts(complex.points() + 1, 0);
   const auto least = [&](std::size_t c) {
-    const std::uint32_t* v = &raw.vertices[4 * c];
-    return std::min(std::min(v[0], v[1]), std::min(v[2], v[3]));
+    const auto& [p, q, r, s] = raw.cells[c].vertices;
+    return std::min(std::min(p, q), std::min(r, s));
   };
   for (std::size_t c = 0; c < cells; ++c) ++starts[least(c) + 1];
   for (std::size_t v = 0; v < complex.points(); ++v) starts[v + 1] += starts[v];
@@ -116,19 +113,15 @@ Places place_vertices(const RawTriangulation& raw, unsigned threads, DelaunayCom
 /// Writes cells and mates in canonical order.
 void place_cells(const RawTriangulation& raw, unsigned threads, DelaunayComplex& complex) {
   const Places places = place_vertices(raw, threads, complex);
-  const auto side = [&](std::size_t cell, std::size_t slot) {
-    return SideIndex(4 * std::size_t{places.place_of[cell]} + ((unsigned{places.slots_of[cell]} >> (2 * slot)) & 3U));
+  const auto place = [&](std::size_t side) {
+    return SideIndex(4 * std::size_t{places.place_of[side / 4]} +
+                     ((unsigned{places.slots_of[side / 4]} >> (2 * (side % 4))) & 3U));
   };
   parallel_ranges(threads, complex.cells(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       const std::size_t r = places.raw_of[c];
-      for (std::size_t i = 0; i < 4; ++i) {
-        const std::size_t other = raw.neighbours[4 * r + i];
-        std::size_t j = 0;
-        while (raw.neighbours[4 * other + j] != r) ++j;
-        const SideIndex s = side(r, i);
-        complex.table[s / 4].mates[s % 4] = side(other, j);
-      }
+      const unsigned slots = places.slots_of[r];
+      for (std::size_t i = 0; i < 4; ++i) complex.table[c].mates[slots >> (2 * i) & 3U] = place(raw.cells[r].mates[i]);
     }
   });
 }
@@ -154,17 +147,17 @@ Error flat_error(int dimension, std::size_t points) {
 }
 
 Result<DelaunayComplex> triangulate_and_flatten(const PointCloud& cloud, Context& context, double until,
-                                                Triangulator triangulate) {
+                                                Triangulator triangulator) {
   DelaunayComplex complex;
   complex.positions = cloud.positions;
   complex.scale = scale_exactly(complex.positions);
   context.enter("delaunay", until * 3 / 4);
-  Result<RawTriangulation> raw = triangulate(complex.positions, context);
+  Result<RawTriangulation> raw = triangulator(complex.positions, context);
   if (!raw) return std::move(raw).error();
   if (raw->dimension < 3) return flat_error(raw->dimension, cloud.size());
-  if (raw->vertices.size() / 4 > kMostCells) {
-    return Error{ErrorCode::too_many_points, std::to_string(raw->vertices.size() / 4) +
-                                                 " Delaunay cells; the limit is " + std::to_string(kMostCells)};
+  if (raw->cells.size() > kMostCells) {
+    return Error{ErrorCode::too_many_points,
+                 std::to_string(raw->cells.size()) + " Delaunay cells; the limit is " + std::to_string(kMostCells)};
   }
   context.enter("flatten", until);
   place_cells(*raw, context.threads(), complex);
@@ -176,13 +169,13 @@ Result<DelaunayComplex> triangulate_and_flatten(const PointCloud& cloud, Context
 }  // namespace
 
 Result<DelaunayComplex> delaunay_complex(const PointCloud& cloud, Context& context, double until,
-                                         Triangulator triangulate) {
+                                         Triangulator triangulator) {
   if (cloud.size() < kFewestPoints) {
     return Error{ErrorCode::too_few_points, std::to_string(cloud.size()) + " distinct points; a closed surface needs " +
                                                 std::to_string(kFewestPoints)};
   }
   try {
-    return triangulate_and_flatten(cloud, context, until, triangulate);
+    return triangulate_and_flatten(cloud, context, until, triangulator);
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::out_of_memory,
                  "no memory left for the Delaunay complex of " + std::to_string(cloud.size()) + " points"};

@@ -29,7 +29,22 @@ class Criterion {
   }
 
   /// λ in units of the bounding box's diagonal / 2^40. λ <= diagonal, so 2^23 longest facets fit a sum.
-  std::int64_t energy(SideIndex s) const { return std::llround(std::sqrt(squared(s)) * per_unit_); }
+  std::int64_t energy(SideIndex s) const { return rounded(std::sqrt(squared(s)) * per_unit_); }
+
+  /// Those of the four sides of a finite cell.
+  std::array<std::int64_t, 4> energies(CellIndex c) const {
+    const auto& [p, q, r, s] = complex_.table[c].vertices;
+    const double pq = edge_squared(p, q);
+    const double pr = edge_squared(p, r);
+    const double ps = edge_squared(p, s);
+    const double qr = edge_squared(q, r);
+    const double qs = edge_squared(q, s);
+    const double rs = edge_squared(r, s);
+    const auto energy = [&](double a, double b, double e) {
+      return rounded(std::sqrt(std::max(std::max(a, b), e)) * per_unit_);
+    };
+    return {energy(qr, qs, rs), energy(pr, ps, rs), energy(pq, ps, qs), energy(pq, pr, qr)};
+  }
 
   /// Order of the paper: ascending λ, ties lexicographically.
   bool less(SideIndex a, SideIndex b) const { return less(a, squared(a), b, squared(b)); }
@@ -41,6 +56,12 @@ class Criterion {
   double length(std::int64_t energy) const { return static_cast<double>(energy) / per_unit_ / complex_.scale; }
 
  private:
+  /// As llround, for numbers that are not negative and fit; without the call.
+  static std::int64_t rounded(double x) {
+    const auto whole = static_cast<std::int64_t>(x);
+    return x - static_cast<double>(whole) >= 0.5 ? whole + 1 : whole;
+  }
+
   static constexpr int kFractionBits = 40;
   static double diagonal(const DelaunayComplex& complex) { return bounds_of(complex.positions).diagonal(); }
 

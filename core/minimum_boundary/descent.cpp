@@ -1,6 +1,7 @@
 #include "minimum_boundary/descent.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <queue>
 
@@ -64,8 +65,9 @@ class Descender {
  private:
   /// Whether flipping the cell is legal and an improvement.
   bool improving(CellIndex c, Move& move) const {
-    const unsigned border = labels_.border(c);
-    const int shown = std::popcount(border);
+    // Without a call of popcount, which is slow where the machine's instruction is not assumed.
+    constexpr std::array<std::uint8_t, 16> kBits{0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+    const unsigned shown = kBits[labels_.border(c)];
     if (shown != 1 && shown != 2) return false;
     if (shown == 1 && !labels_.in(c)) return false;
     if (complex_.infinite(c)) return false;
@@ -89,13 +91,16 @@ class Descender {
     }
   }
 
-  /// A flip matters to the cells that share an edge with the cell.
+  /// A flip matters to the cells that share an edge with the cell: its four neighbours, which share three, and
+  /// others, which share one.
   void offer_around(CellIndex c) {
     offer(c);
+    for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) offer(complex_.neighbour(SideIndex(s)));
     for (const auto& [a, b] : kCellEdges) {
       EdgeWalk walk(complex_, c, a, b);
-      for (walk.advance(); walk.cell() != c; walk.advance()) {
-        if (labels_.border(walk.cell()) != 0) offer(walk.cell());
+      walk.advance();
+      for (walk.advance(); complex_.neighbour(walk.exit()) != c && walk.cell() != c; walk.advance()) {
+        offer(walk.cell());
       }
     }
   }
@@ -111,10 +116,8 @@ class Descender {
 
 std::int64_t energy_change(const Labelling& labels, const Criterion& criterion, CellIndex c) {
   std::int64_t change = 0;
-  for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
-    const std::int64_t energy = criterion.energy(SideIndex(s));
-    change += labels.on_border(SideIndex(s)) ? -energy : energy;
-  }
+  const std::array<std::int64_t, 4> energies = criterion.energies(c);
+  for (std::size_t i = 0; i < 4; ++i) change += labels.on_border(SideIndex(4 * c + i)) ? -energies[i] : energies[i];
   return change;
 }
 

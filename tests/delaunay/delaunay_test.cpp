@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <random>
 #include <set>
 
 #include "support/shapes.hpp"
@@ -147,6 +149,45 @@ TEST(Delaunay, numbers_every_edge_once_by_its_ends_for_any_number_of_threads) {
     const EdgeNumbering with_three = number_edges(complex, 3);
     EXPECT_EQ(with_three.starts, numbering.starts);
     EXPECT_EQ(with_three.greater, numbering.greater);
+  }
+}
+
+/// Points that make predicates fail: lattices, spheres, planes with a point off them, tiny clusters far apart.
+std::vector<Point3> degenerate_points(std::mt19937& random) {
+  const auto below = [&](int limit) { return std::uniform_int_distribution<int>(0, limit - 1)(random); };
+  const double tiny = std::ldexp(1.0, -10 * below(9));
+  const int kind = below(4);
+  const int side = 2 + below(4);
+  std::vector<Point3> points;
+  const std::vector<Point3> sphere = testing::sphere_points(8 + static_cast<std::size_t>(below(60)));
+  const std::size_t count = 5 + static_cast<std::size_t>(below(120));
+  for (std::size_t k = 0; k < count; ++k) {
+    Point3 p{1.0 * below(side), 1.0 * below(side), 1.0 * below(side)};
+    if (kind == 1) p = sphere[k % sphere.size()];
+    if (kind == 2) p[2] *= below(8) == 0 ? tiny : 0;
+    if (kind == 3 && below(2) == 0) p = {1 + tiny * p[0], 1 + tiny * p[1], tiny * p[2]};
+    points.push_back(p);
+  }
+  return points;
+}
+
+TEST(Delaunay, has_the_cells_that_cgal_has_on_any_points) {
+  std::mt19937 random(11);
+  auto sets = clouds();
+  for (int k = 0; k < 2000; ++k) sets.push_back(degenerate_points(random));
+  for (const auto& points : sets) {
+    const PointCloud cloud = cloud_of(points);
+    Context context;
+    const auto ours = delaunay_complex(cloud, context, 1);
+    const auto cgals = delaunay_complex(cloud, context, 1, triangulate_with_cgal);
+    ASSERT_EQ(ours.ok(), cgals.ok());
+    if (!ours) {
+      EXPECT_EQ(ours.error().code, cgals.error().code);
+      EXPECT_EQ(ours.error().detail, cgals.error().detail);
+      continue;
+    }
+    EXPECT_EQ(ours->table, cgals->table);
+    EXPECT_EQ(ours->mirrored, cgals->mirrored);
   }
 }
 
