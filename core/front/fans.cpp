@@ -37,9 +37,18 @@ std::vector<Wedge>& Fans::own(std::uint32_t v) {
 
 std::span<const Wedge> Fans::wedges(std::uint32_t v) const {
   if (own_of_[v] != kNoVertex) return own_[own_of_[v]];
-  seen_.clear();
-  visit_settled(v, [&](const Wedge& w) { seen_.push_back(w); });
+  copy_wedges(v, seen_);
   return seen_;
+}
+
+void Fans::copy_wedges(std::uint32_t v, std::vector<Wedge>& wedges) const {
+  wedges.clear();
+  if (own_of_[v] != kNoVertex) {
+    const std::vector<Wedge>& list = own_[own_of_[v]];
+    wedges.assign(list.begin(), list.end());
+    return;
+  }
+  visit_settled(v, [&](const Wedge& w) { wedges.push_back(w); });
 }
 
 std::uint32_t Fans::apex(Edge e) const {

@@ -47,6 +47,9 @@ class Fans {
   /// The wedges at v. The span lives until the next change of any vertex.
   std::span<const Wedge> wedges(std::uint32_t v) const;
 
+  /// The same for several threads at a time.
+  void copy_wedges(std::uint32_t v, std::vector<Wedge>& wedges) const;
+
   /// Third vertex of the face that contains the edge in this direction, or kNoVertex.
   std::uint32_t apex(Edge e) const;
   bool uses(Edge e) const { return apex(e) != kNoVertex; }

@@ -68,12 +68,10 @@ class Run {
   }
 
   void drop_forbidden_faces(Fans& fans, Places& places) const {
-    if (!parameters_.sewing.max_edge) return;
+    if (!parameters_.limit_consensus || (!parameters_.sewing.max_edge && !parameters_.sewing.capsule)) return;
     for (const Triangle& t : fans.triangles()) {
       const Face f{t[0].value, t[1].value, t[2].value};
-      const bool all_short =
-          places.short_enough(f[0], f[1]) && places.short_enough(f[1], f[2]) && places.short_enough(f[2], f[0]);
-      if (!all_short) fans.remove(f);
+      if (!places.allows(f)) fans.remove(f);
     }
   }
 

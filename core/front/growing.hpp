@@ -21,6 +21,8 @@ struct GrowthParameters {
   SewingParameters sewing;
   /// Whether to begin with the triangles on which three stars agree, or with seeds alone.
   bool begin_with_consensus = true;
+  /// Whether the longest edge and the capsule hold for those triangles too; else only for what comes later.
+  bool limit_consensus = true;
   /// Sets the first face or faces at a vertex without any; false where it cannot.
   std::function<bool(Fans&, Places&, std::uint32_t)> plant = seed_triangle;
   bool fill_small_holes = true;

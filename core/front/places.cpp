@@ -38,7 +38,26 @@ double Places::spacing(std::uint32_t v) { return static_cast<double>(spacings_[l
 
 bool Places::short_enough(std::uint32_t a, std::uint32_t b) {
   if (!parameters_.max_edge) return true;
-  return norm(position(a) - position(b)) <= *parameters_.max_edge * std::max(spacing(a), spacing(b));
+  const double length = norm(position(a) - position(b));
+  return length <= *parameters_.max_edge * spacing(a) || length <= *parameters_.max_edge * spacing(b);
+}
+
+bool Places::in_capsule(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  if (!parameters_.capsule) return true;
+  const std::optional<double>& epsilon = parameters_.capsule->epsilon;
+  const double radius = 2 * (epsilon ? *epsilon * tree_.scale() : std::max(spacing(a), spacing(b)));
+  const Point3 from = position(a);
+  const Point3 along = position(b) - from;
+  const Point3 to = position(c) - from;
+  const double length2 = dot(along, along);
+  const double share = length2 > 0 ? std::clamp(dot(to, along) / length2, 0.0, 1.0) : 0;
+  const Point3 off{to[0] - share * along[0], to[1] - share * along[1], to[2] - share * along[2]};
+  return norm(off) <= radius;
+}
+
+bool Places::allows(const Face& f) {
+  if (!short_enough(f[0], f[1]) || !short_enough(f[1], f[2]) || !short_enough(f[2], f[0])) return false;
+  return in_capsule(f[0], f[1], f[2]) || in_capsule(f[1], f[2], f[0]) || in_capsule(f[2], f[0], f[1]);
 }
 
 Point3 area_normal(const Places& places, const Face& face) {

@@ -56,6 +56,7 @@ std::optional<Front::Entry> Front::candidate(Edge e) {
     if (cotangent > least || (cotangent == least && c >= apex)) continue;
     if (fans_.around(c) == Around::closed) continue;
     if (!places_.short_enough(e.from, c) || !places_.short_enough(e.to, c)) continue;
+    if (!places_.in_capsule(e.from, e.to, c)) continue;
     least = cotangent;
     apex = c;
   }

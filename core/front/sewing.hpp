@@ -15,8 +15,15 @@ namespace surfaced::front {
 /// How the angle at a candidate is measured.
 enum class Angle : std::uint8_t { spatial, projected };
 
+/// Paper 3: a candidate is no farther from the edge than 2ε.
+struct Capsule {
+  /// ε in units of the input; none: the spacing at each end.
+  std::optional<double> epsilon = std::nullopt;
+};
+
 struct SewingParameters {
   Angle angle = Angle::spatial;
+  std::optional<Capsule> capsule = std::nullopt;
   /// Nearest neighbours of both ends among which an edge looks for its third vertex.
   std::size_t reach = 32;
   /// Longest edge allowed, in multiples of the spacing at its ends; none: any within reach.
@@ -48,6 +55,10 @@ class Places {
   double spacing(std::uint32_t v);
   /// Whether the edge is within the longest allowed.
   bool short_enough(std::uint32_t a, std::uint32_t b);
+  /// Whether c lies in the capsule of the edge ab, where there is one.
+  bool in_capsule(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+  /// Whether all edges are short enough, and a corner lies in the capsule of the opposite edge.
+  bool allows(const Face& face);
   std::size_t points() const { return tree_.points(); }
   Angle angle() const { return parameters_.angle; }
 

@@ -19,13 +19,17 @@ struct IntrinsicDelaunayParameters {
   /// Sampling radius ε in the unit of the input: candidates lie within 2ε of the edge. None: at every point the
   /// distance to its 6th nearest neighbour.
   std::optional<double> epsilon = std::nullopt;
-  /// Longest edge, as a multiple of the distance to the 6th nearest neighbour; none: no limit but the neighbourhood.
+  /// Longest edge, as a multiple of the distance to the 6th nearest neighbour; none: 3, but triangles on which the
+  /// local triangulations of their three vertices agree may be larger.
   std::optional<double> max_edge = std::nullopt;
   FillHoles fill_holes = FillHoles::small;
 };
 
 struct IntrinsicDelaunayStatistics {
   front::Statistics front;
+  std::size_t flips = 0;
+  /// Edges left with opposite angles of more than π together: flipping them would fold or cross the surface.
+  std::size_t not_flippable = 0;
 };
 
 struct IntrinsicDelaunayResult {

@@ -14,14 +14,13 @@ Json statistics_json(const front::Statistics& s) {
               {"open_edges", s.open_edges}};
 }
 
-Json max_edge_property() {
-  return {
-      {"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"minimum", 1}, {"maximum", 1e6}}}},
-      {"default", "auto"},
-      {"title", "Longest edge"},
-      {"description",
-       "In multiples of the distance to the 6th nearest neighbour; about 3 keeps openings open. auto sets no limit."},
-      {"x-unit", "1"}};
+Json max_edge_property(const std::string& meaning_of_auto) {
+  return {{"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"minimum", 1}, {"maximum", 1e6}}}},
+          {"default", "auto"},
+          {"title", "Longest edge"},
+          {"description", "In multiples of the distance to the 6th nearest neighbour; about 3 keeps openings open. " +
+                              meaning_of_auto},
+          {"x-unit", "1"}};
 }
 
 }  // namespace surfaced

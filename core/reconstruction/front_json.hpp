@@ -8,7 +8,7 @@ namespace surfaced {
 
 Json statistics_json(const front::Statistics& statistics);
 
-/// Schema of the parameter `max_edge`.
-Json max_edge_property();
+/// Schema of the parameter `max_edge`, with what `auto` means as the last sentence of its text.
+Json max_edge_property(const std::string& meaning_of_auto);
 
 }  // namespace surfaced

@@ -21,6 +21,8 @@ Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Jso
   Result<IntrinsicDelaunayResult> result = intrinsic_delaunay(cloud, parameters_of(parameters), context);
   if (!result) return std::move(result).error();
   Json statistics = statistics_json(result->statistics.front);
+  statistics["flips"] = result->statistics.flips;
+  statistics["not_flippable"] = result->statistics.not_flippable;
   Reconstruction made{
       .mesh = std::move(result->mesh), .warnings = std::move(result->warnings), .statistics = std::move(statistics)};
   if (parameters.at("fill_holes") == "all") {
@@ -40,7 +42,7 @@ Json parameter_properties() {
          "A front edge looks for its third vertex among the points within twice this distance of it. auto takes the "
          "distance to the 6th nearest neighbour at each end."},
         {"x-unit", "unit of the input"}}},
-      {"max_edge", max_edge_property()},
+      {"max_edge", max_edge_property("auto is 3, except for triangles on which three local triangulations agree.")},
       {"fill_holes", fill_holes_property("small")},
       {"rotation", rotation_property()}};
 }

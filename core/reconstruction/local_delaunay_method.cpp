@@ -59,7 +59,7 @@ Json parameter_properties() {
                          {"description",
                           "Whether a candidate's angle is taken in space or, as in the paper, in the "
                           "plane."}};
-  properties["max_edge"] = max_edge_property();
+  properties["max_edge"] = max_edge_property("auto sets no limit.");
   properties["seed"] = {{"enum", {"triangle", "paper"}},
                         {"default", "triangle"},
                         {"title", "Start of the front"},
