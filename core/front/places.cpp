@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "front/sewing.hpp"
 
@@ -39,7 +40,11 @@ double Places::spacing(std::uint32_t v) { return static_cast<double>(spacings_[l
 bool Places::short_enough(std::uint32_t a, std::uint32_t b) {
   if (!parameters_.max_edge) return true;
   const double length = norm(position(a) - position(b));
-  return length <= *parameters_.max_edge * spacing(a) || length <= *parameters_.max_edge * spacing(b);
+  return within_longest(length, a) || within_longest(length, b);
+}
+
+bool Places::within_longest(double length, std::uint32_t v) {
+  return !parameters_.max_edge || length <= *parameters_.max_edge * spacing(v);
 }
 
 bool Places::in_capsule(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -63,6 +68,15 @@ bool Places::allows(const Face& f) {
 Point3 area_normal(const Places& places, const Face& face) {
   const Point3 a = places.position(face[0]);
   return cross(places.position(face[1]) - a, places.position(face[2]) - a);
+}
+
+double circumradius(const Places& places, const Face& f) {
+  const Point3 a = places.position(f[0]);
+  const Point3 b = places.position(f[1]);
+  const Point3 c = places.position(f[2]);
+  const double area = norm(area_normal(places, f));
+  if (!(area > 0)) return std::numeric_limits<double>::infinity();
+  return norm(b - a) * norm(c - b) * norm(a - c) / (2 * area);
 }
 
 double cosine(const Point3& a, const Point3& b) {

@@ -9,15 +9,6 @@
 namespace surfaced::front {
 namespace {
 
-double circumradius(const Places& places, const Face& f) {
-  const Point3 a = places.position(f[0]);
-  const Point3 b = places.position(f[1]);
-  const Point3 c = places.position(f[2]);
-  const double area = norm(cross(b - a, c - a));
-  if (!(area > 0)) return std::numeric_limits<double>::infinity();
-  return norm(b - a) * norm(c - b) * norm(a - c) / (2 * area);
-}
-
 /// Whether none of the vertices lies in the smallest ball through the corners of the face.
 bool ball_is_empty(const Places& places, const Face& f, std::span<const std::uint32_t> vertices) {
   const Point3 a = places.position(f[0]);

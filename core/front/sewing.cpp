@@ -61,11 +61,9 @@ std::optional<Front::Entry> Front::candidate(Edge e) {
     apex = c;
   }
   if (apex == kNoVertex) return std::nullopt;
-  const Point3 normal = area_normal(places_, {e.from, e.to, apex});
-  const Point3 c = places_.position(apex);
-  const double radius = norm(b - a) * norm(c - b) * norm(a - c) / (2 * norm(normal));
-  const double bend = 1 - cosine(normal, old_normal);
-  const double key = radius * (1 + 2 * bend * bend);
+  const Face face{e.from, e.to, apex};
+  const double bend = 1 - cosine(area_normal(places_, face), old_normal);
+  const double key = circumradius(places_, face) * (1 + 2 * bend * bend);
   // A face without area has no place in the queue.
   if (!std::isfinite(key)) return std::nullopt;
   return Entry{key, e, apex};

@@ -55,6 +55,8 @@ class Places {
   double spacing(std::uint32_t v);
   /// Whether the edge is within the longest allowed.
   bool short_enough(std::uint32_t a, std::uint32_t b);
+  /// Whether the length is within the longest edge allowed at v.
+  bool within_longest(double length, std::uint32_t v);
   /// Whether c lies in the capsule of the edge ab, where there is one.
   bool in_capsule(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   /// Whether all edges are short enough, and a corner lies in the capsule of the opposite edge.
@@ -77,6 +79,8 @@ class Places {
 
 /// Area normal of the face: twice its area long.
 Point3 area_normal(const Places& places, const Face& face);
+/// Infinite where the face has no area.
+double circumradius(const Places& places, const Face& face);
 /// Cosine of the angle between two vectors; -1 where one has no length.
 double cosine(const Point3& a, const Point3& b);
 

@@ -6,6 +6,7 @@
 
 #include "front/front.hpp"
 #include "intrinsic_delaunay/flips.hpp"
+#include "intrinsic_delaunay/rims.hpp"
 
 namespace surfaced {
 namespace {
@@ -13,7 +14,8 @@ namespace {
 using Parameters = IntrinsicDelaunayParameters;
 
 /// "A proper edge length threshold", for which the paper has no value: three times the spacing keeps openings open and
-/// closes what scans have closed. It binds the front; triangles on which three stars agree need no limit.
+/// closes what scans have closed. It binds the front and, at rims, circumcircles; triangles on which three stars agree
+/// need no limit elsewhere.
 constexpr double kLongestEdge = 3;
 
 /// Step 5: v from cap(e), in front of e, with the largest angle in space.
@@ -31,10 +33,12 @@ Result<IntrinsicDelaunayResult> intrinsic_delaunay(const PointCloud& cloud, cons
   // Step 6: flip(e), once all triangles are there.
   const auto flip = [&](front::Fans& fans, front::Places& places, Context& c) -> Status {
     c.enter("flips", 0.97);
+    if (c.cancelled()) return Error{ErrorCode::cancelled, "cancelled at stage flips"};
     const Result<idt::FlipCounts> counts = idt::flip_edges(fans, places, c);
     if (!counts) return counts.error();
     statistics.flips = counts->flips;
     statistics.not_flippable = counts->not_flippable;
+    statistics.peeled_faces = idt::peel_rims(fans, places);
     return Done{};
   };
   // Step 1: seed triangles with an empty ball; first those with an empty circle in all three unfolded neighbourhoods.

@@ -9,6 +9,7 @@
 #include "base/base.hpp"
 #include "cloud/cloud.hpp"
 #include "front/statistics.hpp"
+#include "intrinsic_delaunay/certificate.hpp"
 #include "mesh/mesh.hpp"
 
 namespace surfaced {
@@ -30,6 +31,8 @@ struct IntrinsicDelaunayStatistics {
   std::size_t flips = 0;
   /// Edges left with opposite angles of more than π together: flipping them would fold or cross the surface.
   std::size_t not_flippable = 0;
+  /// Faces taken away from rims because their circumcircles are larger than the longest edge allowed.
+  std::size_t peeled_faces = 0;
 };
 
 struct IntrinsicDelaunayResult {

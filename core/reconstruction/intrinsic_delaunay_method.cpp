@@ -23,6 +23,7 @@ Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Jso
   Json statistics = statistics_json(result->statistics.front);
   statistics["flips"] = result->statistics.flips;
   statistics["not_flippable"] = result->statistics.not_flippable;
+  statistics["peeled_faces"] = result->statistics.peeled_faces;
   Reconstruction made{
       .mesh = std::move(result->mesh), .warnings = std::move(result->warnings), .statistics = std::move(statistics)};
   if (parameters.at("fill_holes") == "all") {

@@ -11,6 +11,8 @@ struct Method {
   MethodInfo info;
   /// Whether all vertices are input points, so that points inside the mesh can be told from its vertices.
   bool interpolates;
+  /// Whether its reports carry a certificate.
+  bool certified = false;
   Result<Reconstruction> (*engine)(const PointCloud&, const Json& parameters, Context&);
 };
 

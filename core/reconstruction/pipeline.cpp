@@ -1,6 +1,7 @@
 // The way of a cloud: read -> method -> encode -> decode and measure -> write.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "reconstruction/methods.hpp"
@@ -96,6 +97,8 @@ struct Measured {
   Json mesh;
   Json quality;
   Json encoding;
+  /// None for methods without one.
+  std::optional<Certificate> certificate = std::nullopt;
 };
 
 Result<Measured> measure_encoded(const Reconstruction& result, const PointCloud& cloud, bool interpolates,
@@ -126,16 +129,17 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
     warnings.push_back(measured.encoding.at("merged_vertices").dump() +
                        " vertices share a position with another after encoding");
   }
-  return Json{{"method", request.method->id},
-              {"parameters", request.parameters},
-              {"cloud", cloud_json(cloud)},
-              {"mesh", measured.mesh},
-              {"warnings", warnings},
-              {"quality", measured.quality},
-              {"method_statistics", result.statistics},
-              {"hole_filling", result.hole_filling},
-              {"encoding", measured.encoding},
-              {"provenance", {{"generator", "surfaced"}, {"version", version()}}}};
+  if (measured.certificate)
+    std::ranges::copy(certificate_warnings(*measured.certificate), std::back_inserter(warnings));
+  Json report{{"method", request.method->id}, {"parameters", request.parameters},
+              {"cloud", cloud_json(cloud)},   {"mesh", measured.mesh},
+              {"warnings", warnings},         {"quality", measured.quality}};
+  if (measured.certificate) report["certificate"] = certificate_json(*measured.certificate);
+  report["method_statistics"] = result.statistics;
+  report["hole_filling"] = result.hole_filling;
+  report["encoding"] = measured.encoding;
+  report["provenance"] = Json{{"generator", "surfaced"}, {"version", version()}};
+  return report;
 }
 
 std::string_view name_of(MeshFormat format) {
@@ -165,6 +169,11 @@ Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const 
   const bool interpolates = method_of(*request.method).interpolates;
   Result<Measured> measured = measure_encoded(result, cloud, interpolates, *decoded, name_of(format));
   if (!measured) return std::move(measured).error();
+  if (method_of(*request.method).certified) {
+    Result<Certificate> certificate = certify(*decoded, context);
+    if (!certificate) return std::move(certificate).error();
+    measured->certificate = std::move(*certificate);
+  }
   Json report = reproducible_report(request, cloud, result, *measured);
 
   context.enter("write", 1);
@@ -250,7 +259,14 @@ Result<Json> measure_file(const std::filesystem::path& mesh, const std::optional
               {"mesh", topology_json(topology)},
               {"warnings", cloud ? Json(cloud->warnings) : Json::array()},
               {"quality", quality_json(measure_quality(*decoded, topology), use, pairs)},
+              {"certificate", nullptr},
               {"provenance", {{"generator", "surfaced"}, {"version", version()}}}};
+  if (!decoded->triangles.empty()) {
+    const Result<Certificate> certificate = certify(*decoded, context);
+    if (!certificate) return certificate.error();
+    report["certificate"] = certificate_json(*certificate);
+    for (std::string& warning : certificate_warnings(*certificate)) report["warnings"].push_back(std::move(warning));
+  }
   add_run(report, context);
   return report;
 }

@@ -19,6 +19,35 @@ Json distribution_json(const std::optional<Distribution>& d) {
               {"histogram", {{"lower", 0.0}, {"upper", d->upper}, {"counts", d->histogram}}}};
 }
 
+Json premise_json(Premise premise) {
+  if (premise == Premise::assumed) return "assumed";
+  return premise == Premise::holds;
+}
+
+Json ratio_bounds_json(const RatioBounds& b) {
+  return Json{{"lower", b.lower}, {"upper", b.upper}, {"violations", b.violations}};
+}
+
+Json bounds_json(const QualityBounds& b) {
+  return Json{{"shortest_edge_to_circumradius", ratio_bounds_json(b.shortest_edge_to_circumradius)},
+              {"inradius_to_longest_edge", ratio_bounds_json(b.inradius_to_longest_edge)}};
+}
+
+Json premises_json(const Certificate& c) {
+  Json sheets = nullptr;
+  if (c.close_sheets) sheets = Json::array({(*c.close_sheets)[0].value, (*c.close_sheets)[1].value});
+  return Json{
+      {"epsilon_within_curvature",
+       {{"met", premise_json(c.epsilon_within_curvature)},
+        {"epsilon", c.epsilon},
+        {"limit", or_null(c.largest_epsilon)}}},
+      {"edges_long_enough",
+       {{"met", premise_json(c.edges_long_enough)}, {"shortest_edge", c.shortest_edge}, {"limit", c.epsilon / 2}}},
+      {"without_boundary", {{"met", premise_json(c.without_boundary)}}},
+      {"injectivity_and_convexity",
+       {{"met", premise_json(c.injectivity_and_convexity)}, {"close_sheets", std::move(sheets)}}}};
+}
+
 }  // namespace
 
 Json cloud_json(const PointCloud& cloud) {
@@ -58,6 +87,31 @@ Json quality_json(const MeshQuality& quality, const std::optional<PointUse>& use
               {"volume", or_null(quality.volume)},
               {"longest_edge_sum", quality.longest_edge_sum},
               {"self_intersections", or_null(self_intersections)}};
+}
+
+Json certificate_json(const Certificate& c) {
+  Json worst = Json::array();
+  for (const TriangleIndex t : c.worst_triangles) worst.push_back(t.value);
+  return Json{
+      {"curvature",
+       {{"max", c.largest_curvature}, {"p99", c.curvature_p99}, {"vertices_without", c.vertices_without_curvature}}},
+      {"epsilon", c.epsilon},
+      {"premises", premises_json(c)},
+      {"premises_met", premise_json(c.premises_met())},
+      {"bounds", bounds_json(c.bounds)},
+      {"bounds_met", c.bounds.met()},
+      {"bounds_at_largest_epsilon", bounds_json(c.bounds_at_largest_epsilon)},
+      {"bounds_at_largest_epsilon_met", c.bounds_at_largest_epsilon.met()},
+      {"worst_triangles", std::move(worst)},
+      {"hausdorff_bound", c.hausdorff_bound},
+      {"normal_bound", c.normal_bound}};
+}
+
+std::vector<std::string> certificate_warnings(const Certificate& c) {
+  if (!c.close_sheets) return {};
+  const auto& [a, b] = *c.close_sheets;
+  return {"sheets of the surface may be too close for the sampling: vertices " + std::to_string(a.value) + " and " +
+          std::to_string(b.value) + " face away from each other within 2 epsilon, far from each other on the mesh"};
 }
 
 Json stages_json(const std::vector<Stage>& stages) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "intrinsic_delaunay/intrinsic_delaunay.hpp"
 #include "quality/quality.hpp"
 #include "reconstruction/reconstruction.hpp"
 
@@ -20,6 +21,11 @@ struct PointUse {
 };
 Json quality_json(const MeshQuality& quality, const std::optional<PointUse>& use,
                   const std::optional<std::size_t>& self_intersections);
+
+Json certificate_json(const Certificate& certificate);
+
+/// What is to be said of a certificate among the warnings.
+std::vector<std::string> certificate_warnings(const Certificate& certificate);
 
 Json stages_json(const std::vector<Stage>& stages);
 

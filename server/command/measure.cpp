@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <memory>
+#include <thread>
 
 #include "command/command.hpp"
 #include "command/problem.hpp"
@@ -16,7 +18,7 @@ struct Options {
 };
 
 int measure(const Options& options) {
-  Context context(1, progress_bar());
+  Context context(std::max(1U, std::thread::hardware_concurrency()), progress_bar());
   const std::optional<std::filesystem::path> cloud =
       options.cloud.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.cloud);
   const Result<Json> report = measure_file(options.mesh, cloud, options.self_intersections, context);

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "base/lanes.hpp"
+#include "support/manifolds.hpp"
 #include "support/nasty_clouds.hpp"
 #include "support/shapes.hpp"
 
@@ -22,21 +23,6 @@ Result<LocalDelaunayResult> reconstruct(const std::vector<Point3>& points, const
   return local_delaunay(*make_cloud(testing::raw_cloud(points)), parameters, context);
 }
 
-std::vector<Point3> random_torus(std::size_t n, std::uint32_t seed, double noise = 0) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
-  std::normal_distribution<double> off(0, 1);
-  std::vector<Point3> points;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double u = angle(random);
-    const double v = angle(random);
-    const double tube = 0.3 + noise * off(random);
-    points.push_back(
-        {(1 + tube * std::cos(v)) * std::cos(u), (1 + tube * std::cos(v)) * std::sin(u), tube * std::sin(v)});
-  }
-  return points;
-}
-
 std::vector<Parameters> variants() {
   std::vector<Parameters> all(1);
   all.push_back({.star = Parameters::Star::unfolded});
@@ -49,15 +35,8 @@ std::vector<Parameters> variants() {
 
 /// What is promised of every mesh.
 void expect_manifold(const LocalDelaunayResult& result, const std::string& name) {
-  const Topology topology = topology_of(result.mesh);
-  EXPECT_TRUE(topology.edge_manifold) << name;
-  EXPECT_TRUE(topology.vertex_manifold) << name;
-  EXPECT_TRUE(topology.oriented) << name;
-  EXPECT_EQ(topology.boundary_edges, result.statistics.open_edges) << name;
-  for (const Triangle& t : result.mesh.triangles) {
-    ASSERT_TRUE(t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) << name;
-    ASSERT_LT(*std::ranges::max_element(t), result.mesh.positions.size()) << name;
-  }
+  testing::expect_oriented_manifold(result.mesh, name);
+  EXPECT_EQ(topology_of(result.mesh).boundary_edges, result.statistics.open_edges) << name;
 }
 
 TEST(LocalDelaunay, interpolates_every_point_of_a_sphere_and_faces_outwards) {
@@ -73,7 +52,7 @@ TEST(LocalDelaunay, interpolates_every_point_of_a_sphere_and_faces_outwards) {
 }
 
 TEST(LocalDelaunay, finds_the_handle_of_a_torus_also_where_the_points_are_random) {
-  for (const auto& points : {testing::torus_points(60, 24), random_torus(8000, 1)}) {
+  for (const auto& points : {testing::torus_points(60, 24), testing::random_torus(8000, 1)}) {
     const auto result = reconstruct(points);
     ASSERT_TRUE(result);
     const Topology topology = topology_of(result->mesh);
@@ -148,7 +127,7 @@ TEST(LocalDelaunay, is_manifold_on_every_nasty_cloud_with_every_variant) {
 
 TEST(LocalDelaunay, noise_neither_hangs_nor_explodes) {
   for (const double noise : {0.003, 0.01, 0.03, 0.1}) {
-    const auto points = random_torus(6000, 5, noise);
+    const auto points = testing::random_torus(6000, 5, noise);
     for (const Parameters& parameters : variants()) {
       const auto result = reconstruct(points, parameters);
       ASSERT_TRUE(result);
@@ -164,7 +143,7 @@ TEST(LocalDelaunay, noise_neither_hangs_nor_explodes) {
 }
 
 TEST(LocalDelaunay, is_the_same_for_any_order_of_the_points_and_any_number_of_threads) {
-  std::vector<Point3> points = random_torus(9000, 2);
+  std::vector<Point3> points = testing::random_torus(9000, 2);
   const auto expected = reconstruct(points);
   std::mt19937 random(3);
   for (const unsigned threads : {1U, 2U, 4U}) {
@@ -176,7 +155,7 @@ TEST(LocalDelaunay, is_the_same_for_any_order_of_the_points_and_any_number_of_th
 }
 
 TEST(LocalDelaunay, is_the_same_with_and_without_wide_registers) {
-  const std::vector<Point3> points = random_torus(5000, 8);
+  const std::vector<Point3> points = testing::random_torus(5000, 8);
   for (const Parameters& parameters : variants()) {
     const auto expected = reconstruct(points, parameters);
     lanes::wide_allowed = false;
@@ -187,7 +166,7 @@ TEST(LocalDelaunay, is_the_same_with_and_without_wide_registers) {
 }
 
 TEST(LocalDelaunay, is_the_same_at_any_power_of_two_scale) {
-  const std::vector<Point3> points = random_torus(3000, 4);
+  const std::vector<Point3> points = testing::random_torus(3000, 4);
   const auto expected = reconstruct(points);
   for (const double scale : {0x1p-70, 0x1p60}) {
     std::vector<Point3> scaled = points;
@@ -215,7 +194,7 @@ TEST(LocalDelaunay, max_edge_keeps_an_opening_open_that_the_front_would_cross) {
 }
 
 TEST(LocalDelaunay, can_be_cancelled_in_every_stage_and_its_progress_never_falls) {
-  const PointCloud cloud = *make_cloud(testing::raw_cloud(random_torus(5000, 7)));
+  const PointCloud cloud = *make_cloud(testing::raw_cloud(testing::random_torus(5000, 7)));
   std::vector<std::string> stages;
   double last = 0;
   bool falls = false;

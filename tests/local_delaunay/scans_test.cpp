@@ -1,11 +1,10 @@
 // The clouds of the issue: closed, of the right genus, next to no point unused.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
 
-#include "io/io.hpp"
 #include "local_delaunay/local_delaunay.hpp"
+#include "support/scans.hpp"
 
 namespace surfaced {
 namespace {
@@ -18,13 +17,8 @@ struct Scan {
 class LocalDelaunayOnScans : public ::testing::TestWithParam<Scan> {};
 
 TEST_P(LocalDelaunayOnScans, closes_with_the_right_genus_and_uses_nearly_all_points) {
-  const std::filesystem::path path =
-      std::filesystem::path(SURFACED_SHARED_DATA) / (std::string(GetParam().name) + ".ply");
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
-  auto raw = read_cloud(path);
-  ASSERT_TRUE(raw);
-  const auto cloud = make_cloud(std::move(*raw));
-  ASSERT_TRUE(cloud);
+  const auto cloud = testing::scan(GetParam().name);
+  if (!cloud) GTEST_SKIP() << GetParam().name << " is absent";
   for (const unsigned threads : {1U, 2U}) {
     Context context(threads);
     const auto result = local_delaunay(*cloud, {}, context);

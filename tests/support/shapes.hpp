@@ -47,6 +47,22 @@ inline std::vector<Point3> torus_points(std::size_t around, std::size_t along, d
   return points;
 }
 
+/// Points of a torus with radii 1 and 0.3, random angles, the tube with noise.
+inline std::vector<Point3> random_torus(std::size_t n, std::uint32_t seed, double noise = 0) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
+  std::normal_distribution<double> off(0, 1);
+  std::vector<Point3> points;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double u = angle(random);
+    const double v = angle(random);
+    const double tube = 0.3 + noise * off(random);
+    points.push_back(
+        {(1 + tube * std::cos(v)) * std::cos(u), (1 + tube * std::cos(v)) * std::sin(u), tube * std::sin(v)});
+  }
+  return points;
+}
+
 inline std::vector<Point3> random_points(std::size_t n, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> coordinate(-1, 1);
