@@ -67,6 +67,7 @@ Method intrinsic_delaunay_method() {
                                "Points may stay unused; the report counts them."},
                .parameters = schema_of(parameter_properties())},
       .interpolates = true,
+      .certified = true,
       .engine = run_intrinsic_delaunay};
 }
 

@@ -57,12 +57,12 @@ TEST(FlipEdges, turns_any_triangulation_of_a_plane_into_the_delaunay_triangulati
     const auto corner = [&](int i) { return static_cast<std::uint32_t>(f->vertex(i)->info()); };
     fans.add(up ? front::Face{corner(0), corner(1), corner(2)} : front::Face{corner(0), corner(2), corner(1)});
   }
-  const TriangleMesh before{.positions = cloud.positions, .triangles = fans.triangles()};
+  const TriangleMesh before{cloud.positions, fans.triangles(), {}, {}};
   ASSERT_GT(obtuse_edges(before, 0), 100U);
 
   const auto counts = idt::flip_edges(fans, places, context);
   ASSERT_TRUE(counts);
-  const TriangleMesh after{.positions = cloud.positions, .triangles = fans.triangles()};
+  const TriangleMesh after{cloud.positions, fans.triangles(), {}, {}};
   EXPECT_GT(counts->flips, 100U);
   EXPECT_EQ(after.triangles.size(), before.triangles.size());
   EXPECT_TRUE(topology_of(after).vertex_manifold);
