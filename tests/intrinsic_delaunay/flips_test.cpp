@@ -80,7 +80,9 @@ TEST(FlipEdges, leaves_no_obtuse_edge_but_those_it_counts) {
     constexpr double kRounding = 1e-9;
     EXPECT_EQ(obtuse_edges(result->mesh, kRounding), result->statistics.not_flippable);
     EXPECT_LT(result->statistics.not_flippable, 60U);
-    EXPECT_GT(result->statistics.flips, 0U);
+    if (noise > 0) {
+      EXPECT_GT(result->statistics.flips, 0U);
+    }
   }
 }
 
