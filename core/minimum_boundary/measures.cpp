@@ -35,8 +35,9 @@ Measures measure(const Labelling& labels, const Criterion& criterion) {
   return measures;
 }
 
-double area_of_sheets(const Labelling& labels, const Criterion& criterion) {
+Sheets sheets_of(const Labelling& labels, const Criterion& criterion) {
   constexpr double kLong = 10;
+  constexpr std::size_t kPartsAtMost = 100;
   const DelaunayComplex& complex = labels.complex();
   std::vector<double> spacing(complex.points(), INFINITY);
   std::vector<std::array<VertexIndex, 3>> facets;
@@ -54,6 +55,7 @@ double area_of_sheets(const Labelling& labels, const Criterion& criterion) {
   }
   double area = 0;
   double sheets = 0;
+  UnionFind parts(complex.points());
   for (const auto& [a, b, c] : facets) {
     const Point3 u = complex.positions[b] - complex.positions[a];
     const Point3 v = complex.positions[c] - complex.positions[a];
@@ -61,9 +63,19 @@ double area_of_sheets(const Labelling& labels, const Criterion& criterion) {
     const double longest =
         std::max({criterion.edge_squared(a, b), criterion.edge_squared(a, c), criterion.edge_squared(b, c)});
     area += size;
-    if (longest > kLong * kLong * std::max({spacing[a], spacing[b], spacing[c]})) sheets += size;
+    if (longest > kLong * kLong * std::max({spacing[a], spacing[b], spacing[c]})) {
+      sheets += size;
+    } else {
+      parts.unite(a, b);
+      parts.unite(a, c);
+    }
   }
-  return area > 0 ? sheets / area : 0;
+  std::vector<std::size_t> sizes(complex.points(), 0);
+  for (std::size_t v = 0; v < sizes.size(); ++v) ++sizes[parts.find(v)];
+  // Points inside and points that only sheets touch are alone.
+  const std::size_t least = std::max<std::size_t>(2, complex.points() / kPartsAtMost);
+  return {area > 0 ? sheets / area : 0,
+          static_cast<std::size_t>(std::ranges::count_if(sizes, [&](std::size_t n) { return n >= least; }))};
 }
 
 }  // namespace surfaced::boundary

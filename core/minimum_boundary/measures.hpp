@@ -27,8 +27,14 @@ struct Measures {
 /// @cost  O(cells).
 Measures measure(const Labelling& labels, const Criterion& criterion);
 
-/// Share of the surface's area in triangles whose longest edge is more than ten times the shortest surface
-/// edge at each of their vertices: sheets over openings that the points do not determine.
-double area_of_sheets(const Labelling& labels, const Criterion& criterion);
+/// Triangles whose longest edge is more than ten times the shortest surface edge at each of their vertices: sheets
+/// over openings, or between objects, that the points do not determine.
+struct Sheets {
+  /// Share of the surface's area in sheets.
+  double area_share = 0;
+  /// Parts that only sheets connect, of at least a hundredth of the points each.
+  std::size_t parts = 0;
+};
+Sheets sheets_of(const Labelling& labels, const Criterion& criterion);
 
 }  // namespace surfaced::boundary

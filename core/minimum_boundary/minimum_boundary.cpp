@@ -273,10 +273,17 @@ class Run {
     s.components = measures.components;
     s.genus = measures.handles();
     s.sum_lambda = criterion.length(measures.energy);
-    s.sheet_area_share = area_of_sheets(labels, criterion);
+    const Sheets sheets = sheets_of(labels, criterion);
+    s.sheet_area_share = sheets.area_share;
+    s.joined_parts = sheets.parts;
     if (s.sheet_area_share > kDoubtfulSheets) {
       result_.warnings.push_back("closure_uncertain: " + percent(s.sheet_area_share) +
                                  " of the area spans openings more than ten times as wide as the points lie apart");
+    }
+    if (s.joined_parts > s.components) {
+      result_.warnings.push_back("components_joined: " + std::to_string(s.joined_parts) +
+                                 " parts lie more than ten times as far apart as their points and were joined; "
+                                 "components=many keeps separate objects separate");
     }
     const double handles = static_cast<double>(s.genus) / static_cast<double>(cloud_.size());
     if (handles > kDoubtfulHandles && s.genus > kFewHandles) {

@@ -74,6 +74,8 @@ struct MinimumBoundaryStatistics {
   std::size_t bridges = 0;
   /// Share of the area in triangles that span openings far wider than the points lie apart.
   double sheet_area_share = 0;
+  /// Parts of the surface, of at least a hundredth of the points each, that only such triangles connect.
+  std::size_t joined_parts = 0;
   /// The paper's "curv" in percent; not for variant=fast, of whose time it would be a tenth.
   std::optional<double> curvature_reduction;
   /// Sum of the longest edges of all triangles, in the unit of the input.

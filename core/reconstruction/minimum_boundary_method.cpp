@@ -56,6 +56,7 @@ Json statistics_json(const MinimumBoundaryStatistics& s) {
               {"genus", s.genus},
               {"bridges", s.bridges},
               {"sheet_area_share", s.sheet_area_share},
+              {"joined_parts", s.joined_parts},
               {"curvature_reduction", s.curvature_reduction ? Json(*s.curvature_reduction) : Json(nullptr)},
               {"sum_of_longest_edges", s.sum_lambda}};
 }

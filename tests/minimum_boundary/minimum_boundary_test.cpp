@@ -115,30 +115,93 @@ TEST(MinimumBoundary, is_the_same_at_any_power_of_two_scale) {
   }
 }
 
-TEST(MinimumBoundary, two_far_spheres_are_two_components_or_one_with_a_bridge_or_a_warning) {
-  std::vector<Point3> points = testing::sphere_points(300);
-  const auto other = testing::sphere_points(300, {6, 0, 0});
+std::vector<Point3> two_spheres(std::size_t n, double distance) {
+  std::vector<Point3> points = testing::sphere_points(n);
+  const auto other = testing::sphere_points(n, {distance, 0, 0});
   points.insert(points.end(), other.begin(), other.end());
-  const auto many = reconstruct(points, {.components = Parameters::Components::many});
-  EXPECT_EQ(topology_of(many.mesh).components, 2U);
-  EXPECT_EQ(topology_of(many.mesh).genus, 0);
-  for (const auto variant : {Parameters::Variant::best, Parameters::Variant::fast}) {
-    const auto one = reconstruct(points, {.variant = variant});
-    const Topology topology = topology_of(one.mesh);
-    EXPECT_TRUE(topology.closed && topology.vertex_manifold);
-    const bool warned = !one.warnings.empty() && one.warnings[0].starts_with("components_remaining");
+  return points;
+}
+
+TEST(MinimumBoundary,
+     far_objects_stay_apart_when_many_are_welcome_and_are_joined_with_a_warning_when_one_is_asked_for) {
+  for (const double distance : {6.0, 1e6}) {
+    const auto points = two_spheres(2000, distance);
+    const auto many = reconstruct(points, {.components = Parameters::Components::many});
+    EXPECT_EQ(topology_of(many.mesh).components, 2U);
+    EXPECT_EQ(topology_of(many.mesh).genus, 0);
+    EXPECT_THAT(many.warnings, ::testing::IsEmpty());
+    for (const auto variant : {Parameters::Variant::best, Parameters::Variant::fast, Parameters::Variant::paper}) {
+      for (const auto lids : {Parameters::Lids::watershed, Parameters::Lids::mincut}) {
+        const auto one = reconstruct(points, {.lids = lids, .variant = variant});
+        const Topology topology = topology_of(one.mesh);
+        EXPECT_TRUE(topology.closed && topology.vertex_manifold && topology.oriented);
+        EXPECT_THAT(one.warnings, ::testing::Contains(::testing::StartsWith(
+                                      topology.components > 1 ? "components_remaining" : "components_joined")));
+      }
+    }
+  }
+}
+
+TEST(MinimumBoundary, near_objects_are_joined_without_a_warning) {
+  const auto one = reconstruct(two_spheres(300, 2.2));
+  EXPECT_EQ(topology_of(one.mesh).components, 1U);
+  EXPECT_THAT(one.warnings, ::testing::IsEmpty());
+}
+
+TEST(MinimumBoundary, nested_shells_are_components_of_their_own_when_many_are_welcome) {
+  std::vector<Point3> points = testing::sphere_points(1500);
+  const auto inner = testing::sphere_points(500, {0, 0, 0}, 0.5);
+  points.insert(points.end(), inner.begin(), inner.end());
+  const auto hollow = reconstruct(points, {.components = Parameters::Components::many});
+  EXPECT_EQ(topology_of(hollow.mesh).components, 2U);
+  EXPECT_EQ(hollow.statistics.interior_vertices, 0U);
+  EXPECT_NEAR(signed_volume(hollow.mesh), 4 * std::numbers::pi / 3 * (1 - 0.125), 0.05);
+
+  const auto core = testing::sphere_points(300, {0.05, 0, 0}, 0.2);
+  points.insert(points.end(), core.begin(), core.end());
+  const auto body_in_cavity = reconstruct(points, {.components = Parameters::Components::many});
+  EXPECT_EQ(topology_of(body_in_cavity.mesh).components, 3U);
+  EXPECT_EQ(topology_of(body_in_cavity.mesh).genus, 0);
+  EXPECT_EQ(body_in_cavity.statistics.interior_vertices, 0U);
+  EXPECT_NEAR(signed_volume(body_in_cavity.mesh), 4 * std::numbers::pi / 3 * (1 - 0.125 + 0.008), 0.05);
+}
+
+TEST(MinimumBoundary, nested_shells_become_one_closed_surface_when_one_is_asked_for) {
+  std::vector<Point3> points = testing::sphere_points(1500);
+  const auto inner = testing::sphere_points(500, {0, 0, 0}, 0.5);
+  points.insert(points.end(), inner.begin(), inner.end());
+  for (const auto variant : {Parameters::Variant::best, Parameters::Variant::fast, Parameters::Variant::paper}) {
+    const auto result = reconstruct(points, {.variant = variant});
+    const Topology topology = topology_of(result.mesh);
+    EXPECT_TRUE(topology.closed && topology.vertex_manifold && topology.oriented);
+    const bool warned = std::ranges::any_of(result.warnings,
+                                            [](const std::string& w) { return w.starts_with("components_remaining"); });
     EXPECT_EQ(topology.components > 1, warned);
   }
 }
 
-TEST(MinimumBoundary, nested_shells_are_two_components_when_many_are_welcome) {
-  std::vector<Point3> points = testing::sphere_points(1500);
-  const auto inner = testing::sphere_points(500, {0, 0, 0}, 0.5);
-  points.insert(points.end(), inner.begin(), inner.end());
-  const auto result = reconstruct(points, {.components = Parameters::Components::many});
-  EXPECT_EQ(topology_of(result.mesh).components, 2U);
-  EXPECT_EQ(result.statistics.interior_vertices, 0U);
-  EXPECT_NEAR(signed_volume(result.mesh), 4 * std::numbers::pi / 3 * (1 - 0.125), 0.05);
+TEST(MinimumBoundary, refuses_what_has_no_volume_and_says_how_many_points_remain) {
+  struct Case {
+    std::vector<Point3> points;
+    ErrorCode code;
+    std::string detail;
+  };
+  std::vector<Point3> line;
+  std::vector<Point3> plane;
+  for (int i = 0; i < 20; ++i) {
+    line.push_back({1.0 * (i % 10), 2.0 * (i % 10), 0});
+    plane.push_back({1.0 * (i % 4), 1.0 * (i % 5), 3});
+  }
+  for (const Case& c :
+       {Case{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 0}, {-0.0, 0, 0}}, ErrorCode::too_few_points, "3 "},
+        Case{{{1, 1, 1}, {1, 1, 1}}, ErrorCode::too_few_points, "1 "}, Case{line, ErrorCode::collinear, "10 "},
+        Case{plane, ErrorCode::coplanar, "20 "}}) {
+    Context context;
+    const auto result = minimum_boundary(*make_cloud(testing::raw_cloud(c.points)), {}, context);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, c.code);
+    EXPECT_THAT(result.error().detail, ::testing::HasSubstr(c.detail + "distinct point"));
+  }
 }
 
 TEST(MinimumBoundary, papers_own_way_gives_a_sphere_and_a_torus_their_topology) {
