@@ -280,13 +280,13 @@ def sparse(s):
 def noise(s):
     points = rabbit_points(4000)
     s.sheet("noise", [[s.draw(s.mesh(noisy(points, share, 1), f"noise {share}"), SIDE) for share in
-                       (0, 0.0025, 0.005, 0.01)]])
+                       (0, 0.01, 0.02, 0.04)]])
 
 
 def twisted(s):
-    points = vase(3000, 0.8, 1)
+    points = vase(1200, 0.6, 1)
     meshes = [s.mesh(points, variant="paper"), s.mesh(points, lids="mincut"), s.mesh(points, variant="best")]
-    s.sheet("twisted", [[s.draw(f, "20,35") for f in [s.cloud(points), *meshes]]])
+    s.sheet("twisted", [[s.draw(s.cloud(points), "20,35"), *(s.draw(f, "20,35", "--wire") for f in meshes)]])
 
 
 def variants(s):

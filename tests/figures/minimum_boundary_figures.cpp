@@ -13,6 +13,7 @@
 #include "base/union_find.hpp"
 #include "io/io.hpp"
 #include "minimum_boundary/hole_covering.hpp"
+#include "minimum_boundary/hull.hpp"
 #include "minimum_boundary/inflating.hpp"
 #include "minimum_boundary/measures.hpp"
 #include "minimum_boundary/sculpturing.hpp"
@@ -127,10 +128,9 @@ Result<Labelling> sculptured(const DelaunayComplex& complex, bool from_hull) {
   Labelling labels(complex);
   FacetSet walls = boundary->facets;
   if (from_hull) {
-    labels.assign(std::vector<std::uint8_t>(complex.cells(), 1), 1);
-    for (std::size_t c = 0; c < complex.cells(); ++c) {
-      if (complex.infinite(CellIndex(c))) labels.flip(CellIndex(c));
-    }
+    std::vector<std::uint8_t> finite(complex.cells());
+    for (std::size_t c = 0; c < finite.size(); ++c) finite[c] = complex.infinite(CellIndex(c)) ? 0 : 1;
+    labels.assign(finite, 1);
   } else {
     const auto covered = cover_by_balls(complex, walls, std::nullopt, context);
     if (!covered) return covered.error();
