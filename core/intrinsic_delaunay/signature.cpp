@@ -30,8 +30,8 @@ Signature signature_of(std::span<const LocalShape::Curvature> curvatures, double
     first = false;
   }
   const auto count = static_cast<double>(curvatures.size());
-  return {least_h,      most_h, least_k, most_k, spread(least_h, most_h), spread(least_k, most_k), sum_h / count,
-          sum_k / count};
+  return {least_h,       most_h,       least_k, most_k, spread(least_h, most_h), spread(least_k, most_k),
+          sum_h / count, sum_k / count};
 }
 
 double similarity(const Signature& f, const Signature& g) {
