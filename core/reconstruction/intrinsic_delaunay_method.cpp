@@ -3,6 +3,7 @@
 #include "reconstruction/front_json.hpp"
 #include "reconstruction/hole_stage.hpp"
 #include "reconstruction/methods.hpp"
+#include "reconstruction/upsampling_stage.hpp"
 
 namespace surfaced {
 namespace {
@@ -18,12 +19,15 @@ Parameters parameters_of(const Json& json) {
 }
 
 Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Json& parameters, Context& context) {
-  Result<IntrinsicDelaunayResult> result = intrinsic_delaunay(cloud, parameters_of(parameters), context);
+  Json upsampling = nullptr;
+  Result<IntrinsicDelaunayResult> result =
+      reconstruct_upsampled(cloud, parameters_of(parameters), parameters, upsampling, context);
   if (!result) return std::move(result).error();
   Json statistics = statistics_json(result->statistics.front);
   statistics["flips"] = result->statistics.flips;
   statistics["not_flippable"] = result->statistics.not_flippable;
   statistics["peeled_faces"] = result->statistics.peeled_faces;
+  statistics["upsampling"] = std::move(upsampling);
   Reconstruction made{
       .mesh = std::move(result->mesh), .warnings = std::move(result->warnings), .statistics = std::move(statistics)};
   if (parameters.at("fill_holes") == "all") {
@@ -44,6 +48,7 @@ Json parameter_properties() {
          "distance to the 6th nearest neighbour at each end."},
         {"x-unit", "unit of the input"}}},
       {"max_edge", max_edge_property("auto is 3, except for triangles on which three local triangulations agree.")},
+      {"upsample", upsample_property()},
       {"fill_holes", fill_holes_property("small")},
       {"rotation", rotation_property()}};
 }
@@ -60,12 +65,13 @@ Method intrinsic_delaunay_method() {
                          "estimation from point samples, Journal of Computational and Applied Mathematics 274 "
                          "(2015)",
                .guarantees = {"The mesh is consistently oriented, edge- and vertex-manifold.",
-                              "Every vertex of the mesh is an input point, save those that fill_holes=all adds.",
+                              "Every vertex of the mesh is an input point, save those that upsample and fill_holes=all add.",
                               "Closed parts face outwards."},
                .limitations = {"Closedness is reported, not promised.",
                                "The mesh may intersect itself where parts come closer than the points are dense.",
                                "Points may stay unused; the report counts them."},
-               .parameters = schema_of(parameter_properties())},
+               .parameters = schema_of(parameter_properties()),
+               .makes_cloud = true},
       .interpolates = true,
       .certified = true,
       .engine = run_intrinsic_delaunay};

@@ -58,6 +58,16 @@ Result<const MethodInfo*> find_method(std::string_view id) {
   return Error{ErrorCode::unknown_method, "method '" + std::string(id) + "' is unknown; there are: " + known};
 }
 
+Status check_makes_cloud(const MethodInfo& method) {
+  if (method.makes_cloud) return Done{};
+  std::string others;
+  for (const MethodInfo& info : infos()) {
+    if (info.makes_cloud) others += (others.empty() ? "" : ", ") + info.id;
+  }
+  return Error{ErrorCode::unknown_output,
+               "method '" + method.id + "' makes a mesh but no cloud; those that do: " + others};
+}
+
 Json method_json(const MethodInfo& method) {
   return Json{{"id", method.id},
               {"title", method.title},
@@ -65,6 +75,7 @@ Json method_json(const MethodInfo& method) {
               {"source", method.source},
               {"guarantees", method.guarantees},
               {"limitations", method.limitations},
+              {"outputs", method.makes_cloud ? Json{"mesh", "cloud"} : Json{"mesh"}},
               {"parameters", method.parameters}};
 }
 

@@ -101,6 +101,12 @@ struct Measured {
   std::optional<Certificate> certificate = std::nullopt;
 };
 
+Json quality_of(const Reconstruction& result, const PointCloud& cloud, bool interpolates, const TriangleMesh& mesh,
+                const Topology& topology) {
+  return quality_json(measure_quality(mesh, topology), use_of_points(cloud, result.mesh, topology, interpolates),
+                      std::nullopt);
+}
+
 Result<Measured> measure_encoded(const Reconstruction& result, const PointCloud& cloud, bool interpolates,
                                  const TriangleMesh& decoded, std::string_view format) {
   if (decoded.positions.size() != result.mesh.positions.size()) {
@@ -111,8 +117,7 @@ Result<Measured> measure_encoded(const Reconstruction& result, const PointCloud&
   const EncodingEffect effect = effect_of_encoding(result.mesh, decoded);
   return Measured{
       .mesh = topology_json(topology),
-      .quality = quality_json(measure_quality(decoded, topology),
-                              use_of_points(cloud, result.mesh, topology, interpolates), std::nullopt),
+      .quality = quality_of(result, cloud, interpolates, decoded, topology),
       .encoding =
           Json{{"format", format}, {"max_error", effect.max_error}, {"merged_vertices", effect.merged_vertices}}};
 }
@@ -125,7 +130,7 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
   if (const Json& open = measured.mesh.at("boundary_edges"); open > 0) {
     warnings.push_back("the mesh is open: " + open.dump() + " edges have one triangle");
   }
-  if (measured.encoding.at("merged_vertices") > 0) {
+  if (!measured.encoding.is_null() && measured.encoding.at("merged_vertices") > 0) {
     warnings.push_back(measured.encoding.at("merged_vertices").dump() +
                        " vertices share a position with another after encoding");
   }
@@ -159,7 +164,6 @@ std::string_view name_of(MeshFormat format) {
 /// Encodes the mesh, measures the decoded file and writes it; returns the reproducible report.
 Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result,
                      MeshFormat format, Context& context) {
-  context.section(1);
   context.enter("quality", 0.7);
   EncodeOptions options = encode_options_of(request.parameters);
   Result<std::vector<std::byte>> bytes = encode_mesh(result.mesh, format, options);
@@ -187,6 +191,18 @@ Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const 
   return report;
 }
 
+/// The report where only points are asked for: of the mesh as computed.
+Json measure_unwritten(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result,
+                       Context& context) {
+  context.enter("quality", 1);
+  const Topology topology = topology_of(result.mesh);
+  const bool interpolates = method_of(*request.method).interpolates;
+  return reproducible_report(request, cloud, result,
+                             {.mesh = topology_json(topology),
+                              .quality = quality_of(result, cloud, interpolates, result.mesh, topology),
+                              .encoding = nullptr});
+}
+
 double seconds_of(const std::vector<Stage>& stages) {
   double sum = 0;
   for (const Stage& stage : stages) sum += stage.seconds;
@@ -203,32 +219,60 @@ void add_run(Json& report, Context& context) {
                              {"threads", context.threads()}};
 }
 
+/// What the method makes: all points as vertices, used or not.
+Result<Reconstruction> engine_of(const PointCloud& cloud, const MethodInfo& method, const Json& parameters,
+                                 Context& context) {
+  Result<Reconstruction> result = method_of(method).engine(cloud, parameters, context);
+  if (result && result->mesh.triangles.empty()) {
+    return Error{ErrorCode::method_failed,
+                 "method '" + method.id + "' made no triangle of " + std::to_string(cloud.size()) + " distinct points"};
+  }
+  return result;
+}
+
+void finish(TriangleMesh& mesh) {
+  compact(mesh);
+  sort_triangles(mesh);
+}
+
 }  // namespace
 
 Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters,
                            Context& context) {
-  Result<Reconstruction> result = method_of(method).engine(cloud, parameters, context);
-  if (!result) return result;
-  if (result->mesh.triangles.empty()) {
-    return Error{ErrorCode::method_failed,
-                 "method '" + method.id + "' made no triangle of " + std::to_string(cloud.size()) + " distinct points"};
-  }
-  compact(result->mesh);
-  sort_triangles(result->mesh);
+  Result<Reconstruction> result = engine_of(cloud, method, parameters, context);
+  if (result) finish(result->mesh);
   return result;
 }
 
 Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
-  const Result<MeshFormat> format = mesh_format_of(request.mesh);
-  if (!format) return format.error();
+  std::optional<MeshFormat> format;
+  if (!request.mesh.empty()) {
+    const Result<MeshFormat> named = mesh_format_of(request.mesh);
+    if (!named) return named.error();
+    format = *named;
+  }
+  if (!request.points.empty()) {
+    if (Status made = check_makes_cloud(*request.method); !made) return std::move(made).error();
+  }
   const Result<PointCloud> cloud = load(request.cloud, request.limits, request.cloud_name, context);
   if (!cloud) return cloud.error();
   context.section(kMethodUntil);
-  const Result<Reconstruction> result = run(*cloud, *request.method, request.parameters, context);
-  if (!result) return result.error();
+  Result<Reconstruction> result = engine_of(*cloud, *request.method, request.parameters, context);
+  if (!result) return std::move(result).error();
+  std::vector<std::byte> points;
+  if (!request.points.empty()) {
+    points = encode_cloud_ply(result->mesh.positions, result->mesh.normals, result->mesh.colors);
+  }
+  finish(result->mesh);
   if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled before the mesh was written"};
-  Result<Json> report = deliver(request, *cloud, *result, *format, context);
+  context.section(1);
+  Result<Json> report = format ? deliver(request, *cloud, *result, *format, context)
+                               : measure_unwritten(request, *cloud, *result, context);
   if (!report) return report;
+  if (!request.points.empty()) {
+    context.enter("write", 1);
+    if (Status written = write_file(request.points, points); !written) return std::move(written).error();
+  }
   Result<std::string> digest = sha256_of_file(request.cloud);
   if (!digest) return std::move(digest).error();
   (*report)["provenance"]["input_sha256"] = *digest;

@@ -34,7 +34,12 @@ struct MethodInfo {
   std::vector<std::string> limitations;
   /// JSON Schema (2020-12) of the parameters, an object with defaults, ranges, units and texts.
   Json parameters;
+  /// Whether it has points to give: the input's, upsampled and completed where holes were filled.
+  bool makes_cloud = false;
 };
+
+/// Error unknown_output unless the method makes a cloud.
+Status check_makes_cloud(const MethodInfo& method);
 
 /// All methods, the default one first.
 std::span<const MethodInfo> methods();
@@ -43,7 +48,7 @@ std::span<const MethodInfo> methods();
 Result<const MethodInfo*> find_method(std::string_view id);
 
 /// The list of methods as JSON: an array of objects `id, title, summary, source, guarantees,
-/// limitations, parameters`.
+/// limitations, outputs, parameters`.
 Json methods_json();
 Json method_json(const MethodInfo& method);
 
@@ -74,6 +79,7 @@ Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, co
 /// One file in, one file out.
 struct FileRequest {
   std::filesystem::path cloud;
+  /// Empty: no mesh is written, only `points`.
   std::filesystem::path mesh;
   const MethodInfo* method = nullptr;
   /// As check_parameters returns them.
@@ -81,12 +87,14 @@ struct FileRequest {
   ReadLimits limits;
   /// What messages call the cloud; empty: its file name.
   std::string cloud_name;
+  /// Where the method's cloud goes, as PLY; empty: nowhere.
+  std::filesystem::path points = {};
 };
 
 /// Reads the cloud, runs the method, encodes the mesh, measures what a reader of the encoded mesh
 /// gets, and writes it (atomically). The only way from a file to a mesh: the command and the
 /// service's child process both take it.
-/// @return  the report (proto/schema/report.json).
+/// @return  the report (proto/schema/report.json); unknown_output if points are asked of a method that makes none.
 Result<Json> reconstruct_file(const FileRequest& request, Context& context);
 
 /// Report of any mesh file: its topology and quality, and against a cloud where one is given.

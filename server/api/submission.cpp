@@ -20,6 +20,7 @@ constexpr auto kMeshes = std::to_array<OutputKind>({{"mesh.glb", "model/gltf-bin
                                                     {"mesh.ply", "application/octet-stream"}});
 constexpr auto kOthers =
     std::to_array<OutputKind>({{"report.json", "application/json"}, {"log.txt", "text/plain; charset=utf-8"}});
+constexpr OutputKind kPoints{"cloud.ply", "application/octet-stream"};
 
 /// Names that are reserved and not handed to the method.
 constexpr auto kReserved =
@@ -45,10 +46,10 @@ Result<std::string> mesh_among(std::string_view list) {
   while (!list.empty()) {
     const std::string name(list.substr(0, list.find(',')));
     list.remove_prefix(std::min(list.size(), name.size() + 1));
-    if (is_among(kOthers, name)) continue;
+    if (is_among(kOthers, name) || name == kPoints.name) continue;
     if (!is_among(kMeshes, name)) {
-      return Error{ErrorCode::unknown_output,
-                   "outputs names '" + name + "'; there are " + names_of(kMeshes) + ", " + names_of(kOthers)};
+      return Error{ErrorCode::unknown_output, "outputs names '" + name + "'; there are " + names_of(kMeshes) + ", " +
+                                                  std::string(kPoints.name) + ", " + names_of(kOthers)};
     }
     if (!mesh.empty() && mesh != name) {
       return Error{ErrorCode::unknown_output,
@@ -66,6 +67,20 @@ Result<std::string> wanted_mesh(const http::Query& query, Door door) {
   const std::string name = "mesh." + *text;
   if (is_among(kMeshes, name)) return name;
   return Error{ErrorCode::unknown_output, "output is '" + *text + "'; allowed are glb, gltf, drc, ply"};
+}
+
+/// Whether the list of outputs names the method's cloud; unknown_output if it does and the method makes none.
+Result<bool> wants_points(const http::Query& query, Door door, const MethodInfo& method) {
+  const auto list = door == Door::jobs ? single(query, "outputs") : Result<std::string>(std::string());
+  if (!list) return list.error();
+  for (std::string_view rest = *list; !rest.empty();) {
+    const std::string_view name = rest.substr(0, rest.find(','));
+    rest.remove_prefix(std::min(rest.size(), name.size() + 1));
+    if (name != kPoints.name) continue;
+    if (Status made = check_makes_cloud(method); !made) return std::move(made).error();
+    return true;
+  }
+  return false;
 }
 
 /// A reserved name that this path does not take is not ignored in silence.
@@ -95,6 +110,7 @@ http::Query method_parameters(const http::Query& query) {
 std::string_view media_type_of(std::string_view output) {
   const auto* mesh = std::ranges::find(kMeshes, output, &OutputKind::name);
   if (mesh != kMeshes.end()) return mesh->media_type;
+  if (output == kPoints.name) return kPoints.media_type;
   const auto* other = std::ranges::find(kOthers, output, &OutputKind::name);
   return other != kOthers.end() ? other->media_type : std::string_view();
 }
@@ -132,6 +148,9 @@ Result<Submission> read_submission(const http::Query& query, Door door, std::chr
   auto mesh = wanted_mesh(query, door);
   if (!mesh) return std::move(mesh).error();
   Submission submission{(*method)->id, std::move(*parameters), {std::move(*mesh)}, default_ttl};
+  const auto points = wants_points(query, door, **method);
+  if (!points) return points.error();
+  if (*points) submission.outputs.emplace_back(kPoints.name);
   for (const OutputKind& kind : kOthers) submission.outputs.emplace_back(kind.name);
   const auto ttl = single(query, "ttl_seconds");
   if (!ttl) return ttl.error();

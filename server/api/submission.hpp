@@ -16,7 +16,7 @@ struct Submission {
   std::string method;
   /// All parameters, with defaults.
   nlohmann::ordered_json parameters;
-  /// The mesh first, then report.json and log.txt.
+  /// The mesh first, then cloud.ply if it is wanted, report.json and log.txt.
   std::vector<std::string> outputs;
   std::chrono::seconds ttl{};
 };

@@ -51,11 +51,14 @@ Result<FileRequest> request_of(const Options& options) {
   if (!given) return given.error();
   Result<Json> parameters = parameters_from_text(**method, *given);
   if (!parameters) return std::move(parameters).error();
-  if (const auto format = mesh_format_of(options.mesh); !format) return format.error();
-  if (options.output != "mesh") {
-    return Error{ErrorCode::invalid_usage,
-                 "--output " + options.output + ": method '" + options.method + "' makes only a mesh"};
+  if (options.output == "cloud") {
+    if (Status made = check_makes_cloud(**method); !made) return std::move(made).error();
+    if (std::filesystem::path(options.mesh).extension() != ".ply") {
+      return Error{ErrorCode::unknown_output, "-o " + options.mesh + ": a cloud is written as .ply"};
+    }
+    return FileRequest{options.cloud, {}, *method, std::move(*parameters), {}, {}, options.mesh};
   }
+  if (const auto format = mesh_format_of(options.mesh); !format) return format.error();
   return FileRequest{options.cloud, options.mesh, *method, std::move(*parameters), {}, {}};
 }
 
@@ -77,7 +80,10 @@ int reconstruct(const Options& options) {
 void add_reconstruct(CLI::App& app, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("reconstruct", "Turn a point cloud into a mesh");
-  command->add_option("CLOUD", options->cloud, "Point cloud: PLY, Draco, LAS, PCD, glTF, OBJ, STL or text, told by content")->required();
+  command
+      ->add_option("CLOUD", options->cloud,
+                   "Point cloud: PLY, Draco, LAS, PCD, glTF, OBJ, STL or text, told by content")
+      ->required();
   command->add_option("-o", options->mesh, "Mesh to write: .glb, .gltf, .drc or .ply")->required()->type_name("MESH");
   command->add_option("--method", options->method, "Method, see: surfaced methods")
       ->capture_default_str()
@@ -85,7 +91,9 @@ void add_reconstruct(CLI::App& app, Run& run) {
   command->add_option("--param", options->parameters, "Parameter of the method, may be repeated")
       ->type_name("name=value")
       ->allow_extra_args(false);
-  command->add_option("--output", options->output, "What to write: mesh or cloud")
+  command
+      ->add_option("--output", options->output,
+                   "What to write: mesh, or cloud: the points, upsampled and completed (intrinsic-delaunay)")
       ->check(CLI::IsMember({"mesh", "cloud"}))
       ->capture_default_str()
       ->envname("SURFACED_OUTPUT");

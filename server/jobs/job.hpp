@@ -54,7 +54,8 @@ struct NewJob {
   /// As check_parameters returns them.
   nlohmann::ordered_json parameters;
   StoredInput input;
-  /// Names of the outputs to make: first the mesh, in the format of its name, then report.json and log.txt.
+  /// Names of the outputs to make: first the mesh, in the format of its name, then cloud.ply if it is wanted, report.json
+  /// and log.txt.
   std::vector<std::string> wanted;
   /// Of the request that made the job.
   std::string request_id;

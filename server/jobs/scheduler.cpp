@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <exception>
+#include <string_view>
 #include <utility>
 
 namespace surfaced {
@@ -12,6 +14,12 @@ namespace {
 constexpr std::chrono::milliseconds kPauseAfterFailure{1000};
 /// Looking again without being told costs nothing and forgives a lost wake-up.
 constexpr std::chrono::milliseconds kPatience{5000};
+
+/// The name under which the job wants the method's cloud; empty if it does not.
+std::string points_of(const Job& job) {
+  constexpr std::string_view kName = "cloud.ply";
+  return std::ranges::find(job.wanted, kName) != job.wanted.end() ? std::string(kName) : std::string();
+}
 
 }  // namespace
 
@@ -141,8 +149,8 @@ AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& st
   log->line("input " + std::to_string(claimed.job.input.bytes) + " bytes, sha256 " + claimed.job.input.sha256);
   if (!claimed.job.traceparent.empty()) log->line("traceparent " + claimed.job.traceparent);
   const AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters, *cloud,
-                         *directory, claimed.job.wanted.front(), options_.limits,        ::getpid(),
-                         claimed.job.traceparent};
+                         *directory, claimed.job.wanted.front(), points_of(claimed.job), options_.limits,
+                         ::getpid(), claimed.job.traceparent};
   AttemptResult result = runner_.run(
       spec, stop, *log, [&](double progress, std::string_view phase) { jobs_.report(claim, progress, phase); });
   log->close();

@@ -47,9 +47,13 @@ Status reconstruct(const AttemptSpec& spec) {
   if (!method) return method.error();
   auto parameters = check_parameters(**method, spec.parameters);
   if (!parameters) return std::move(parameters).error();
-  const FileRequest request{
-      spec.cloud, spec.directory / spec.mesh, *method, std::move(*parameters), ReadLimits{spec.limits.max_points},
-      "the cloud"};
+  const FileRequest request{spec.cloud,
+                            spec.directory / spec.mesh,
+                            *method,
+                            std::move(*parameters),
+                            ReadLimits{spec.limits.max_points},
+                            "the cloud",
+                            spec.points.empty() ? std::filesystem::path() : spec.directory / spec.points};
   Context context(spec.limits.threads, [](double fraction, std::string_view stage) {
     send(encode(ProgressMessage{fraction, std::string(stage)}));
   });

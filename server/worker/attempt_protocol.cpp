@@ -21,6 +21,7 @@ std::string encode(const AttemptSpec& spec) {
                   {"cloud", spec.cloud.string()},
                   {"directory", spec.directory.string()},
                   {"mesh", spec.mesh},
+                  {"points", spec.points},
                   {"memory_bytes", spec.limits.memory_bytes},
                   {"max_points", spec.limits.max_points},
                   {"file_bytes", spec.limits.file_bytes},
@@ -40,6 +41,7 @@ Result<AttemptSpec> decode_attempt(std::string_view text) {
     spec.cloud = json.at("cloud").get<std::string>();
     spec.directory = json.at("directory").get<std::string>();
     spec.mesh = json.at("mesh").get<std::string>();
+    spec.points = json.at("points").get<std::string>();
     spec.limits = {json.at("memory_bytes").get<std::uint64_t>(), json.at("max_points").get<std::uint64_t>(),
                    json.at("file_bytes").get<std::uint64_t>(),
                    std::chrono::seconds(json.at("seconds").get<std::int64_t>()), json.at("threads").get<unsigned>()};

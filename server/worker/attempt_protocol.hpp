@@ -41,6 +41,8 @@ struct AttemptSpec {
   /// Where the child writes report.json and the mesh, in the format of its name.
   std::filesystem::path directory;
   std::string mesh;
+  /// Where in the directory the method's cloud goes; empty if the job does not want it.
+  std::string points;
   AttemptLimits limits;
   /// The process whose death is the child's.
   int parent = 0;

@@ -106,6 +106,36 @@ TEST_F(Command, writes_a_mesh_and_a_report_and_says_nothing_else) {
   EXPECT_EQ(nlohmann::json::parse(measured.out).at("mesh"), report.at("mesh"));
 }
 
+TEST_F(Command, writes_the_points_of_a_method_that_makes_some_upsampled_and_completed) {
+  std::vector<Point3> open = testing::sphere_points(4000);
+  std::erase_if(open, [](const Point3& p) { return p[2] > 0.8; });
+  const auto bytes = encode_cloud_ply(open, {}, {});
+  const fs::path cloud = write("open.ply", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  const auto points_with = [&](std::vector<std::string> parameters) {
+    std::vector<std::string> command{"reconstruct", cloud,
+                                     "-o",          folder_ / "points.ply",
+                                     "--output",    "cloud",
+                                     "--method",    "intrinsic-delaunay",
+                                     "--report",    folder_ / "r.json"};
+    for (const std::string& each : parameters) command.insert(command.end(), {"--param", each});
+    const Ran ran = run(command);
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    const auto report = nlohmann::json::parse(read_all(folder_ / "r.json"));
+    EXPECT_TRUE(report.at("encoding").is_null());
+    const auto points = read_cloud(folder_ / "points.ply");
+    EXPECT_TRUE(points.ok());
+    return std::pair(points ? points->size() : 0, report);
+  };
+  EXPECT_EQ(points_with({"fill_holes=none"}).first, open.size());
+  const auto [filled, report] = points_with({"fill_holes=all"});
+  EXPECT_EQ(report.at("mesh").at("closed"), true);
+  EXPECT_EQ(filled, open.size() + report.at("hole_filling").at("vertices_added").get<std::size_t>());
+  const auto [denser, upsampled] = points_with({"fill_holes=none", "upsample=jet", "epsilon=0.03"});
+  const auto added = upsampled.at("method_statistics").at("upsampling").at("points_added").get<std::size_t>();
+  EXPECT_GT(added, 500U);
+  EXPECT_EQ(denser, open.size() + added);
+}
+
 TEST_F(Command, mesh_does_not_depend_on_the_number_of_threads) {
   const fs::path cloud = sphere(3000);
   ASSERT_EQ(run({"reconstruct", cloud, "-o", folder_ / "a.glb", "--threads", "1"}).exit_code, 0);
@@ -122,7 +152,8 @@ TEST_F(Command, wrong_use_is_exit_code_2_with_a_problem) {
       {{"reconstruct", cloud}, "invalid_usage"},
       {{"reconstruct", cloud, "-o", mesh, "--threads", "0"}, "invalid_usage"},
       {{"reconstruct", cloud, "-o", mesh, "--param", "beta"}, "invalid_usage"},
-      {{"reconstruct", cloud, "-o", mesh, "--output", "cloud"}, "invalid_usage"},
+      {{"reconstruct", cloud, "-o", mesh, "--output", "cloud"}, "unknown_output"},
+      {{"reconstruct", cloud, "-o", mesh, "--output", "cloud", "--method", "intrinsic-delaunay"}, "unknown_output"},
       {{"reconstruct", cloud, "-o", mesh, "--method", "magic"}, "unknown_method"},
       {{"reconstruct", cloud, "-o", mesh, "--param", "gamma=1"}, "unknown_parameter"},
       {{"reconstruct", cloud, "-o", mesh, "--param", "variant=slow"}, "invalid_parameter"},

@@ -87,6 +87,20 @@ test('a job goes from accepted to its outputs and away', async () => {
   assert.equal((await call('GET', `/v1/jobs/${job.id}`)).status, 410);
 });
 
+test('a method that makes a cloud gives its points as PLY when they are asked for, others refuse', async () => {
+  const created = await post('/v1/jobs?method=intrinsic-delaunay&outputs=mesh.ply,cloud.ply', knot);
+  assert.equal(created.status, 201);
+  const job = await finished(created.body.id);
+  assert.equal(job.status, 'successful', JSON.stringify(job.error));
+  const points = await call('GET', `/v1/jobs/${job.id}/outputs/cloud.ply`);
+  assert.equal(points.status, 200);
+  assert.equal(points.headers.get('content-type'), 'application/octet-stream');
+  assert.match(points.body.toString('latin1', 0, 200), /^ply\nformat binary_little_endian 1\.0\nelement vertex 6000\n/);
+  const refused = await post('/v1/jobs?method=advancing-front&outputs=cloud.ply', knot);
+  assert.equal(refused.status, 400);
+  assert.equal(refused.body.code, 'unknown_output');
+});
+
 test('a failed job is tried again when its client says so, and lists both attempts', async () => {
   const created = await post('/v1/jobs?method=advancing-front', Buffer.from('this is no cloud\n'), {
     traceparent: '00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01',

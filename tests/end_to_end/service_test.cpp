@@ -97,6 +97,18 @@ TEST_F(ServiceTest, the_mesh_comes_in_the_format_that_was_asked_for) {
   EXPECT_EQ(code_of(call("GET", "/v1/jobs/" + id + "/outputs/mesh.glb")), "output_not_found");
 }
 
+TEST_F(ServiceTest, the_points_of_a_method_that_makes_some_come_beside_the_mesh) {
+  const std::string id =
+      submit(ply(testing::sphere_points(300)), "method=intrinsic-delaunay&outputs=mesh.drc,cloud.ply&upsample=jet");
+  const Json ended = wait_for_end(id);
+  EXPECT_EQ(ended.at("status"), "successful") << ended.dump();
+  const Answer points = call("GET", "/v1/jobs/" + id + "/outputs/cloud.ply");
+  EXPECT_EQ(points.status, 200);
+  EXPECT_EQ(points.headers.at("content-type"), "application/octet-stream");
+  EXPECT_EQ(points.body.substr(0, 3), "ply");
+  EXPECT_EQ(call("GET", "/v1/jobs/" + id + "/outputs/mesh.drc").body.substr(0, 5), "DRACO");
+}
+
 TEST_F(ServiceTest, a_job_can_be_followed_fetched_in_parts_and_removed) {
   const std::string id = submit(ply(testing::sphere_points(500)));
   const Json ended = wait_for_end(id);

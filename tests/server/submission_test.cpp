@@ -39,6 +39,7 @@ TEST(SubmissionTest, wrong_methods_and_outputs_have_their_codes) {
   EXPECT_EQ(code_of({{"method", "magic"}, {"method", "magic"}}), ErrorCode::invalid_parameter);
   EXPECT_EQ(code_of({{"outputs", "mesh.xyz"}}), ErrorCode::unknown_output);
   EXPECT_EQ(code_of({{"outputs", "mesh.glb,mesh.ply"}}), ErrorCode::unknown_output);
+  EXPECT_EQ(code_of({{"method", "advancing-front"}, {"outputs", "cloud.ply"}}), ErrorCode::unknown_output);
   EXPECT_EQ(code_of({{"output", "exe"}}, Door::reconstruct), ErrorCode::unknown_output);
 }
 
@@ -48,6 +49,10 @@ TEST(SubmissionTest, each_door_takes_its_own_names_and_ignores_none) {
   EXPECT_EQ(code_of({{"webhook", "https://example.org"}}), ErrorCode::unknown_parameter);
   EXPECT_THAT(read_submission({{"output", "ply"}}, Door::reconstruct, kTtl).value().outputs,
               ElementsAre("mesh.ply", "report.json", "log.txt"));
+  EXPECT_THAT(read_submission({{"method", "intrinsic-delaunay"}, {"outputs", "cloud.ply,mesh.ply"}}, Door::jobs, kTtl)
+                  .value()
+                  .outputs,
+              ElementsAre("mesh.ply", "cloud.ply", "report.json", "log.txt"));
   EXPECT_THAT(read_submission({{"outputs", "report.json,mesh.drc"}}, Door::jobs, kTtl).value().outputs,
               ElementsAre("mesh.drc", "report.json", "log.txt"));
 }
