@@ -161,6 +161,15 @@ std::string_view name_of(MeshFormat format) {
   return "unknown";
 }
 
+/// The certificate of the mesh, where the method has one.
+Status add_certificate(const FileRequest& request, const TriangleMesh& mesh, Measured& measured, Context& context) {
+  if (!method_of(*request.method).certified) return Done{};
+  Result<Certificate> certificate = certify(mesh, context);
+  if (!certificate) return std::move(certificate).error();
+  measured.certificate = std::move(*certificate);
+  return Done{};
+}
+
 /// Encodes the mesh, measures the decoded file and writes it; returns the reproducible report.
 Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result,
                      MeshFormat format, Context& context) {
@@ -173,10 +182,8 @@ Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const 
   const bool interpolates = method_of(*request.method).interpolates;
   Result<Measured> measured = measure_encoded(result, cloud, interpolates, *decoded, name_of(format));
   if (!measured) return std::move(measured).error();
-  if (method_of(*request.method).certified) {
-    Result<Certificate> certificate = certify(*decoded, context);
-    if (!certificate) return std::move(certificate).error();
-    measured->certificate = std::move(*certificate);
+  if (Status certified = add_certificate(request, *decoded, *measured, context); !certified) {
+    return std::move(certified).error();
   }
   Json report = reproducible_report(request, cloud, result, *measured);
 
@@ -192,15 +199,18 @@ Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const 
 }
 
 /// The report where only points are asked for: of the mesh as computed.
-Json measure_unwritten(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result,
-                       Context& context) {
+Result<Json> measure_unwritten(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result,
+                               Context& context) {
   context.enter("quality", 1);
   const Topology topology = topology_of(result.mesh);
   const bool interpolates = method_of(*request.method).interpolates;
-  return reproducible_report(request, cloud, result,
-                             {.mesh = topology_json(topology),
-                              .quality = quality_of(result, cloud, interpolates, result.mesh, topology),
-                              .encoding = nullptr});
+  Measured measured{.mesh = topology_json(topology),
+                    .quality = quality_of(result, cloud, interpolates, result.mesh, topology),
+                    .encoding = nullptr};
+  if (Status certified = add_certificate(request, result.mesh, measured, context); !certified) {
+    return std::move(certified).error();
+  }
+  return reproducible_report(request, cloud, result, measured);
 }
 
 double seconds_of(const std::vector<Stage>& stages) {

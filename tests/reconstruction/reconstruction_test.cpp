@@ -142,7 +142,7 @@ TEST_F(Files, holes_are_filled_behind_any_method_that_leaves_them_and_counted) {
     EXPECT_THAT(open->at("warnings").dump(), HasSubstr("the mesh is open"));
     EXPECT_EQ(filled->at("mesh").at("closed"), true) << id;
     EXPECT_EQ(filled->at("mesh").at("vertex_manifold"), true);
-    EXPECT_EQ(filled->at("warnings").size(), 0U) << filled->at("warnings").dump();
+    EXPECT_THAT(filled->at("warnings").dump(), ::testing::Not(HasSubstr("open")));
     const Json& filling = filled->at("hole_filling");
     EXPECT_EQ(filling.at("filled"), filling.at("loops"));
     EXPECT_GT(filling.at("vertices_added"), 20);
