@@ -57,13 +57,12 @@ EdgeNumbering number_edges(const DelaunayComplex& complex, unsigned threads) {
 }
 
 EdgeIndex EdgeNumbering::find(VertexIndex a, VertexIndex b) const {
-  constexpr std::ptrdiff_t kFew = 16;
+  // Halves without branches: which way it goes is a toss, and guessing wrong costs more than the step.
   const VertexIndex* first = greater.data() + starts[a];
-  const VertexIndex* last = greater.data() + starts[a + 1];
-  if (last - first > kFew) {
-    first = std::lower_bound(first, last, b);
-  } else {
-    while (*first != b) ++first;
+  for (std::size_t left = starts[a + 1] - starts[a]; left > 1;) {
+    const std::size_t half = left / 2;
+    first += first[half - 1] < b ? half : 0;
+    left -= half;
   }
   return EdgeIndex(static_cast<std::size_t>(first - greater.data()));
 }

@@ -126,16 +126,27 @@ void place_cells(const RawTriangulation& raw, unsigned threads, DelaunayComplex&
   });
 }
 
-void build_stars(DelaunayComplex& complex) {
+/// Each of the threads reads all cells and writes the stars of its share of the vertices.
+void build_stars(unsigned threads, DelaunayComplex& complex) {
   complex.star_starts.assign(complex.points() + 2, 0);
-  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) ++complex.star_starts[complex.vertex(s) + 1];
-  for (std::size_t v = 0; v + 1 < complex.star_starts.size(); ++v) complex.star_starts[v + 1] += complex.star_starts[v];
-  complex.stars.resize(complex.star_starts[complex.points()]);
-  std::vector<std::uint32_t> cursor(complex.star_starts.begin(), complex.star_starts.end() - 2);
-  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) {
-    const VertexIndex v = complex.vertex(s);
-    if (v < complex.points()) complex.stars[cursor[v]++] = SideIndex(s);
-  }
+  const auto for_corners = [&](const auto& body) {
+    parallel_tasks(threads, threads, [&](std::size_t part) {
+      const std::size_t begin = complex.points() * part / threads;
+      const std::size_t end = complex.points() * (part + 1) / threads;
+      for (std::size_t c = 0; c < complex.cells(); ++c) {
+        for (std::size_t i = 0; i < 4; ++i) {
+          const std::size_t v = complex.table[c].vertices[i];
+          if (v >= begin && v < end) body(v, SideIndex(4 * c + i));
+        }
+      }
+    });
+  };
+  // Counted two places ahead: once they are added up, starts[v + 1] is where the star of v begins, and moving
+  // it along while that star is filled leaves where the next one begins.
+  for_corners([&](std::size_t v, SideIndex) { ++complex.star_starts[v + 2]; });
+  for (std::size_t v = 0; v < complex.points(); ++v) complex.star_starts[v + 2] += complex.star_starts[v + 1];
+  complex.stars.resize(complex.star_starts.back());
+  for_corners([&](std::size_t v, SideIndex corner) { complex.stars[complex.star_starts[v + 1]++] = corner; });
   complex.star_starts.pop_back();
 }
 
@@ -162,7 +173,7 @@ Result<DelaunayComplex> triangulate_and_flatten(const PointCloud& cloud, Context
   context.enter("flatten", until);
   place_cells(*raw, context.threads(), complex);
   *raw = {};
-  build_stars(complex);
+  build_stars(context.threads(), complex);
   return complex;
 }
 

@@ -62,9 +62,12 @@ inline int orientation(const Point3& a, const Point3& b, const Point3& c, const 
 /// 1 if p lies inside the sphere through a, b, c, d, -1 outside, 0 on it.
 /// Precondition: orientation(a, b, c, d) is 1.
 inline int side_of_sphere(const Point3& a, const Point3& b, const Point3& c, const Point3& d, const Point3& p) {
+  // CGAL's bound is this constant times the extents x, y, z and the square of the greatest of them; no extent
+  // exceeds the longest vector, so its fifth power will do, which is cheaper. Within the limits of the squared length
+  // neither that power nor what underflows in the determinant matters.
   constexpr double kError = 1.2466136531027298e-13;
-  constexpr double kLeast = 1e-58;
-  constexpr double kGreatest = 1e61;
+  constexpr double kLeast = 1e-100;
+  constexpr double kGreatest = 1e100;
   const double ax = a[0] - p[0], ay = a[1] - p[1], az = a[2] - p[2];
   const double bx = b[0] - p[0], by = b[1] - p[1], bz = b[2] - p[2];
   const double cx = c[0] - p[0], cy = c[1] - p[1], cz = c[2] - p[2];
@@ -85,14 +88,9 @@ inline int side_of_sphere(const Point3& a, const Point3& b, const Point3& c, con
   const double abd = ab * dz - ad * bz + bd * az;
   const double cbd = cb * dz - cd * bz + bd * cz;
   const double determinant = acb * dd - acd * bb + abd * cc - cbd * aa;
-  Extent extent;
-  extent.add(ax, ay, az);
-  extent.add(bx, by, bz);
-  extent.add(cx, cy, cz);
-  extent.add(dx, dy, dz);
-  const double greatest = extent.greatest();
-  const double error = kError * extent.product() * (greatest * greatest);
-  if (extent.least() >= kLeast && greatest < kGreatest) {
+  const double longest = std::max(std::max(aa, bb), std::max(cc, dd));
+  const double error = kError * (longest * longest) * std::sqrt(longest);
+  if (longest >= kLeast && longest < kGreatest) {
     if (determinant > error) return 1;
     if (determinant < -error) return -1;
   }

@@ -164,6 +164,7 @@ class Triangulation {
     border_.clear();
     for (std::size_t k = 0; k < cavity_.size(); ++k) {
       const std::uint32_t c = cavity_[k];
+      for (const std::uint32_t mate : cells_[c].mates) __builtin_prefetch(&cells_[mate / 4]);
       for (std::uint32_t i = 0; i < 4; ++i) {
         const std::uint32_t mate = cells_[c].mates[i];
         State& state = states_[mate / 4];

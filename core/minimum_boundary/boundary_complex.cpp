@@ -102,6 +102,10 @@ class Builder {
   }
 
   void list(std::span<const ListedFacet> facets) {
+    for (const ListedFacet& facet : facets) {
+      numbering_.prefetch(facet.vertices[0]);
+      numbering_.prefetch(facet.vertices[1]);
+    }
     block_.resize(facets.size());
     for (std::size_t k = 0; k < facets.size(); ++k) block_[k] = listed(facets[k].side, facets[k].vertices);
   }

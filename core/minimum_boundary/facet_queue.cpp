@@ -91,13 +91,13 @@ void FacetQueue::sort_next_bucket() {
 }
 
 /// Facets whose rounded λ² is the same: exactly, then by their vertices. Most ties are the facets at one edge.
-void FacetQueue::sort_ties(std::span<ListedFacet> facets) const {
-  const auto before = [&](const ListedFacet& a, const ListedFacet& b) {
-    const double of_a = criterion_.squared(a.vertices);
-    const double of_b = criterion_.squared(b.vertices);
-    return of_a != of_b ? of_a < of_b : a.vertices < b.vertices;
-  };
-  std::sort(facets.begin(), facets.end(), before);
+void FacetQueue::sort_ties(std::span<ListedFacet> facets) {
+  ties_.clear();
+  for (const ListedFacet& f : facets) ties_.emplace_back(criterion_.squared(f.vertices), f);
+  std::ranges::sort(ties_, [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second.vertices < b.second.vertices;
+  });
+  for (std::size_t k = 0; k < facets.size(); ++k) facets[k] = ties_[k].second;
 }
 
 }  // namespace surfaced::boundary

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "delaunay/delaunay.hpp"
@@ -35,7 +36,7 @@ class FacetQueue {
     SideIndex side;
   };
   void sort_next_bucket();
-  void sort_ties(std::span<ListedFacet> facets) const;
+  void sort_ties(std::span<ListedFacet> facets);
 
   const DelaunayComplex& complex_;
   const Criterion& criterion_;
@@ -47,6 +48,7 @@ class FacetQueue {
   std::size_t sorted_ = 0;
   std::size_t next_ = 0;
   std::vector<ListedFacet> block_;
+  std::vector<std::pair<double, ListedFacet>> ties_;
 };
 
 }  // namespace surfaced::boundary

@@ -6,6 +6,7 @@
 #include <new>
 #include <string>
 
+#include "base/parallel.hpp"
 #include "minimum_boundary/boundary_complex.hpp"
 #include "minimum_boundary/bridging.hpp"
 #include "minimum_boundary/candidates.hpp"
@@ -82,12 +83,19 @@ class Run {
 
     Result<Labelling> labels = make_surface(*complex, *boundary, criterion, std::move(ratings));
     if (!labels) return std::move(labels).error();
-    if (connected) {
+    Measures measures = measure(*labels, criterion);
+    if (connected && measures.components > 1) {
       if (Status joined = join(*labels, *boundary, criterion); !joined) return std::move(joined).error();
+      measures = measure(*labels, criterion);
     }
     if (Status begun = begin("surface", 1); !begun) return std::move(begun).error();
-    summarise(*labels, criterion);
-    result_.mesh = surface_of(*labels, cloud_);
+    parallel_tasks(context_.threads(), 2, [&](std::size_t task) {
+      if (task == 0) {
+        summarise(*labels, criterion, measures);
+      } else {
+        result_.mesh = surface_of(*labels, cloud_);
+      }
+    });
     return std::move(result_);
   }
 
@@ -255,7 +263,6 @@ class Run {
 
   /// components=one: bridges between what is still apart.
   Status join(Labelling& labels, const BoundaryComplex& boundary, const Criterion& criterion) {
-    if (measure(labels, criterion).components < 2) return Done{};
     if (Status begun = begin("bridge", 0.97); !begun) return begun;
     const Result<Bridged> bridged = bridge(labels, boundary.facets, criterion, context_, context_.threads());
     if (!bridged) return bridged.error();
@@ -266,9 +273,8 @@ class Run {
     return Done{};
   }
 
-  void summarise(const Labelling& labels, const Criterion& criterion) {
+  void summarise(const Labelling& labels, const Criterion& criterion, const Measures& measures) {
     MinimumBoundaryStatistics& s = result_.statistics;
-    const Measures measures = measure(labels, criterion);
     s.interior_vertices = measures.interior;
     s.components = measures.components;
     s.genus = measures.handles();

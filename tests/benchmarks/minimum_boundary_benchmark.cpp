@@ -1,113 +1,187 @@
-// minimum-boundary against CGAL's Delaunay triangulation (the unit of its speed) and advancing front, in one
-// run on the same random points of a torus. Arguments: points, threads. `./dev bench minimum_boundary`.
+// minimum-boundary, from points in memory to a mesh in memory, beside CGAL's Delaunay triangulation, which is the unit
+// of its speed, and CGAL's advancing front: on scans of ../shared/data (where present), random points of a bumpy torus,
+// which stands for free-form surfaces, and of an exact torus, the worst case: many points lie on common spheres.
+//   ./dev bench minimum_boundary        build/release/minimum_boundary_benchmark --benchmark_filter=igea
+// `delaunays` is the best time in serial triangulations by CGAL (range insertion with its own spatial sorting, the best
+// of as many runs) of the same points in the same run, `us_per_point` that time, `bytes_per_point` the peak of resident
+// memory beyond what was there before, and `growth` the time per point over that of a cloud of the same shape with a
+// tenth of the points.
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <random>
+#include <string>
 
 #include "baselines/baselines.hpp"
 #include "delaunay/delaunay.hpp"
+#include "io/io.hpp"
 #include "minimum_boundary/minimum_boundary.hpp"
 
-namespace surfaced {
+namespace surfaced::benchmarks {
 namespace {
 
-const PointCloud& torus(std::size_t points) {
-  static std::map<std::size_t, PointCloud> clouds;
-  const auto [found, added] = clouds.try_emplace(points);
-  if (added) {
-    std::mt19937 random(1);
-    std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
-    RawCloud raw;
-    for (std::size_t i = 0; i < points; ++i) {
-      const double u = angle(random);
-      const double v = angle(random);
-      raw.positions.push_back(
-          {(1 + 0.3 * std::cos(v)) * std::cos(u), (1 + 0.3 * std::cos(v)) * std::sin(u), 0.3 * std::sin(v)});
-    }
-    found->second = *make_cloud(std::move(raw));
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kTenThousand = 10'000;
+constexpr std::size_t kHundredThousand = 100'000;
+constexpr std::size_t kMillion = 1'000'000;
+constexpr int kRuns = 3;
+
+/// Random points of a torus; `bumps` of 1 makes its tube swell and its circle wobble.
+RawCloud torus(std::size_t points, double bumps) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
+  RawCloud raw;
+  raw.positions.reserve(points);
+  for (std::size_t i = 0; i < points; ++i) {
+    const double u = angle(random);
+    const double v = angle(random);
+    const double circle = 1 + bumps * 0.05 * std::sin(3 * u);
+    const double tube =
+        0.3 + bumps * (0.03 * std::sin(5 * u + 1) * std::cos(3 * v) + 0.02 * std::sin(7 * u) * std::sin(2 * v));
+    raw.positions.push_back({(circle + tube * std::cos(v)) * std::cos(u), (circle + tube * std::cos(v)) * std::sin(u),
+                             tube * std::sin(v) + bumps * 0.1 * std::sin(2 * u)});
   }
-  return found->second;
+  return raw;
 }
 
-void count_points(benchmark::State& state) {
-  state.SetItemsProcessed(state.iterations() * state.range(0));
-  state.SetComplexityN(state.range(0));
+struct Input {
+  std::string name;
+  std::function<RawCloud()> make;
+  /// The same shape with a tenth of the points, if there is one.
+  std::string tenth;
+  int runs = kRuns;
+};
+
+std::vector<Input> inputs() {
+  std::vector<Input> all{
+      {"bumpy-10k", [] { return torus(kTenThousand, 1); }, "", 2 * kRuns},
+      {"bumpy-100k", [] { return torus(kHundredThousand, 1); }, "bumpy-10k"},
+      {"bumpy-1M", [] { return torus(kMillion, 1); }, "bumpy-100k", 1},
+      {"torus-100k", [] { return torus(kHundredThousand, 0); }, "", 1},
+  };
+  for (const char* name : {"bunny", "anchor", "igea"}) {
+    const std::filesystem::path path = std::filesystem::path(SURFACED_SHARED_DATA) / (std::string(name) + ".ply");
+    if (!std::filesystem::exists(path)) continue;
+    all.push_back({name, [path] { return *read_cloud(path); }, ""});
+  }
+  return all;
+}
+
+const PointCloud& cloud_of(const Input& input) {
+  // One at a time: a million points with their results need not stay for the next cloud.
+  static std::string name;
+  static PointCloud cloud;
+  if (name != input.name) {
+    cloud = *make_cloud(input.make());
+    name = input.name;
+  }
+  return cloud;
+}
+
+/// A number of bytes in /proc/self/status, 0 where there is no such file.
+double status_bytes(const std::string& field) {
+  std::ifstream status("/proc/self/status");
+  constexpr double kKilo = 1024;
+  for (std::string word; status >> word;) {
+    double value = 0;
+    if (word == field + ":" && status >> value) return kKilo * value;
+  }
+  return 0;
+}
+
+/// What each measurement took per point, in seconds, by its name.
+std::map<std::string, double> seconds_per_point;
+
+/// Runs the task as often as the state asks and counts; `kind` names the task in all sizes.
+void measure(benchmark::State& state, const Input& input, const std::string& kind, const std::function<void()>& task) {
+  const auto points = static_cast<double>(cloud_of(input).size());
+  double best = INFINITY;
+  double peak = 0;
+  for (auto _ : state) {
+    malloc_trim(0);
+    std::ofstream("/proc/self/clear_refs") << "5";
+    const double before = status_bytes("VmRSS");
+    const Clock::time_point start = Clock::now();
+    task();
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    state.SetIterationTime(seconds);
+    best = std::min(best, seconds / points);
+    peak = std::max(peak, status_bytes("VmHWM") - before);
+  }
+  seconds_per_point[input.name + kind] = best;
+  constexpr double kMicro = 1e6;
+  state.counters["us_per_point"] = kMicro * best;
+  state.counters["bytes_per_point"] = peak / points;
+  const auto found = [&](const std::string& name) {
+    const auto at = seconds_per_point.find(name);
+    return at != seconds_per_point.end() ? at->second : NAN;
+  };
+  state.counters["delaunays"] = best / found(input.name + "cgal_delaunay");
+  if (!input.tenth.empty()) state.counters["growth"] = best / found(input.tenth + kind);
 }
 
 /// CGAL's triangulation as its users call it: range insertion with its own spatial sorting.
-void cgal_delaunay(benchmark::State& state) {
-  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+void cgal_delaunay(const PointCloud& cloud) {
   std::vector<Kernel::Point_3> points;
-  for (const Point3& p : torus(static_cast<std::size_t>(state.range(0))).positions)
-    points.emplace_back(p[0], p[1], p[2]);
-  for (auto _ : state) {
-    const CGAL::Delaunay_triangulation_3<Kernel> triangulation(points.begin(), points.end());
-    benchmark::DoNotOptimize(triangulation.number_of_vertices());
-  }
-  count_points(state);
+  for (const Point3& p : cloud.positions) points.emplace_back(p[0], p[1], p[2]);
+  const CGAL::Delaunay_triangulation_3<Kernel> triangulation(points.begin(), points.end());
+  benchmark::DoNotOptimize(triangulation.number_of_vertices());
 }
 
-void complex_of_the_same_points(benchmark::State& state) {
-  const PointCloud& cloud = torus(static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state) {
-    Context context(static_cast<unsigned>(state.range(1)));
-    benchmark::DoNotOptimize(delaunay_complex(cloud, context, 1).ok());
-  }
-  count_points(state);
+void add(const Input& input, const std::string& kind, const std::function<void(const PointCloud&)>& task) {
+  benchmark::RegisterBenchmark((input.name + "/" + kind).c_str(),
+                               [=](benchmark::State& state) {
+                                 const PointCloud& cloud = cloud_of(input);
+                                 measure(state, input, kind, [&] { task(cloud); });
+                               })
+      ->Iterations(input.runs)
+      ->UseManualTime()
+      ->Unit(benchmark::kMillisecond);
 }
 
-void reconstruct(benchmark::State& state, MinimumBoundaryParameters::Variant variant) {
-  const PointCloud& cloud = torus(static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state) {
-    Context context(static_cast<unsigned>(state.range(1)));
-    const auto result = minimum_boundary(cloud, {.variant = variant}, context);
-    if (!result) state.SkipWithError(result.error().detail.c_str());
+void add_all(const Input& input) {
+  using Variant = MinimumBoundaryParameters::Variant;
+  add(input, "cgal_delaunay", cgal_delaunay);
+  const auto reconstruct = [](const PointCloud& cloud, Variant variant, unsigned threads) {
+    Context context(threads);
+    if (!minimum_boundary(cloud, {.variant = variant}, context)) std::abort();
+  };
+  for (const unsigned threads : {1U, 2U}) {
+    const std::string suffix = "/threads:" + std::to_string(threads);
+    add(input, "complex" + suffix, [=](const PointCloud& cloud) {
+      Context context(threads);
+      benchmark::DoNotOptimize(delaunay_complex(cloud, context, 1).ok());
+    });
+    add(input, "fast" + suffix, [=](const PointCloud& cloud) { reconstruct(cloud, Variant::fast, threads); });
   }
-  count_points(state);
-}
-void minimum_boundary_fast(benchmark::State& state) { reconstruct(state, MinimumBoundaryParameters::Variant::fast); }
-void minimum_boundary_best(benchmark::State& state) { reconstruct(state, MinimumBoundaryParameters::Variant::best); }
-
-void cgal_advancing_front(benchmark::State& state) {
-  const PointCloud& cloud = torus(static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state) {
+  add(input, "best/threads:2", [=](const PointCloud& cloud) { reconstruct(cloud, Variant::best, 2); });
+  if (input.runs == 1) return;
+  add(input, "cgal_advancing_front", [](const PointCloud& cloud) {
     Context context;
     benchmark::DoNotOptimize(advancing_front(cloud, {}, context).ok());
-  }
-  count_points(state);
+  });
 }
 
-constexpr std::int64_t kSmall = 10'000;
-constexpr std::int64_t kMiddle = 100'000;
-constexpr std::int64_t kLarge = 1'000'000;
-
-BENCHMARK(cgal_delaunay)
-    ->Args({kSmall, 1})
-    ->Args({kMiddle, 1})
-    ->Args({kLarge, 1})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime()
-    ->Complexity();
-BENCHMARK(complex_of_the_same_points)
-    ->ArgsProduct({{kSmall, kMiddle, kLarge}, {1, 2}})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK(minimum_boundary_fast)
-    ->ArgsProduct({{kSmall, kMiddle, kLarge}, {1, 2}})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK(minimum_boundary_best)
-    ->ArgsProduct({{kSmall, kMiddle, kLarge}, {1, 2}})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK(cgal_advancing_front)->Args({kSmall, 1})->Args({kMiddle, 1})->Unit(benchmark::kMillisecond)->UseRealTime();
-
 }  // namespace
-}  // namespace surfaced
+}  // namespace surfaced::benchmarks
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  for (const auto& input : surfaced::benchmarks::inputs()) surfaced::benchmarks::add_all(input);
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}
