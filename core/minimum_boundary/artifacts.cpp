@@ -90,7 +90,7 @@ class Finder {
     std::vector<Artifact> artifacts;
     for (auto& [part, artifact] : by_part) {
       std::ranges::sort(artifact.vertices);
-      artifact.vertices.erase(std::ranges::unique(artifact.vertices).begin(), artifact.vertices.end());
+      artifact.vertices.erase(std::unique(artifact.vertices.begin(), artifact.vertices.end()), artifact.vertices.end());
       artifacts.push_back(std::move(artifact));
     }
     return artifacts;

@@ -75,7 +75,7 @@ std::vector<float> levels_of(const std::vector<Recipe>& recipes) {
   std::vector<float> levels;
   for (const Recipe& recipe : recipes) levels.push_back(recipe.level);
   std::ranges::sort(levels, std::greater<>());
-  levels.erase(std::ranges::unique(levels).begin(), levels.end());
+  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   return levels;
 }
 

@@ -76,7 +76,7 @@ class Fuser {
       for (std::size_t i = 4 * c; i < 4 * c + 4; ++i) vertices_.push_back(complex_.vertex(i));
     }
     std::ranges::sort(vertices_);
-    vertices_.erase(std::ranges::unique(vertices_).begin(), vertices_.end());
+    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
   }
 
   std::int64_t interior_count() const {

@@ -118,9 +118,8 @@ class Dual {
     while (!stack.empty()) {
       const std::uint32_t node = stack.back();
       stack.pop_back();
-      const auto [first, last] =
-          std::ranges::equal_range(edges_, node, {}, &std::pair<std::uint32_t, std::uint32_t>::first);
-      for (auto edge = first; edge != last; ++edge) {
+      const auto first = std::ranges::lower_bound(edges_, node, {}, &std::pair<std::uint32_t, std::uint32_t>::first);
+      for (auto edge = first; edge != edges_.end() && edge->first == node; ++edge) {
         if (capacities_[static_cast<std::size_t>(edge - edges_.begin())] == 0 || reached[edge->second] != 0) continue;
         reached[edge->second] = 1;
         stack.push_back(edge->second);

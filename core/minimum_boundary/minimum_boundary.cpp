@@ -37,7 +37,7 @@ constexpr double kDoubtfulSheets = 0.02;
 constexpr double kDoubtfulHandles = 0.01;
 constexpr std::int64_t kFewHandles = 10;
 /// Score, in mean λ, below which the choice between two topologies was a near thing. Of the wrong random
-/// subsamples in docs/methods/minimum-boundary.md 44 % lie below, of the right ones 6 %.
+/// subsamples in docs/methods/minimum-boundary.md 33 % lie below, of the right ones 5 %.
 constexpr double kDoubtfulMargin = 4;
 
 std::string percent(double share) { return std::to_string(std::llround(100 * share)) + " %"; }

@@ -129,7 +129,7 @@ class Surgeon {
     for (const CellIndex c : cells)
       vertices_.insert(vertices_.end(), &complex_.vertex(4 * c), &complex_.vertex(4 * c) + 4);
     std::ranges::sort(vertices_);
-    vertices_.erase(std::ranges::unique(vertices_).begin(), vertices_.end());
+    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
   }
 
   std::int64_t interior_count() const {

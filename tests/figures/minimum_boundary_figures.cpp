@@ -145,6 +145,18 @@ Result<Labelling> sculptured(const DelaunayComplex& complex, bool from_hull) {
   return labels;
 }
 
+/// Turns every triangle away from the middle of the points: for the eye only.
+void turn_outwards(TriangleMesh& mesh) {
+  const Bounds bounds = bounds_of(mesh.positions);
+  for (auto& [a, b, c] : mesh.triangles) {
+    const Point3& p = mesh.positions[a];
+    const Point3 normal = cross(mesh.positions[b] - p, mesh.positions[c] - p);
+    Point3 outwards = p;
+    for (std::size_t k = 0; k < 3; ++k) outwards[k] -= (bounds.low[k] + bounds.high[k]) / 2;
+    if (dot(normal, outwards) < 0) std::swap(b, c);
+  }
+}
+
 Status run(const std::string& path, const std::string& what, const std::string& out) {
   const Result<RawCloud> raw = read_cloud(path);
   if (!raw) return raw.error();
@@ -157,6 +169,7 @@ Status run(const std::string& path, const std::string& what, const std::string& 
   mesh.positions = cloud->positions;
   if (const auto found = measures_by_name().find(what); found != measures_by_name().end()) {
     mesh.triangles = Algorithm1(*complex, found->second).run();
+    turn_outwards(mesh);
   } else if (what == "hull-start" || what == "bc-start") {
     const Result<Labelling> labels = sculptured(*complex, what == "hull-start");
     if (!labels) return labels.error();
