@@ -286,7 +286,7 @@ class Run {
       result_.warnings.push_back("closure_uncertain: " + percent(s.sheet_area_share) +
                                  " of the area spans openings more than ten times as wide as the points lie apart");
     }
-    if (s.joined_parts > s.components) {
+    if (parameters_.components == Parameters::Components::one && s.joined_parts > s.components) {
       result_.warnings.push_back("components_joined: " + std::to_string(s.joined_parts) +
                                  " parts lie more than ten times as far apart as their points and were joined; "
                                  "components=many keeps separate objects separate");

@@ -130,6 +130,7 @@ TEST(MinimumBoundary,
     EXPECT_EQ(topology_of(many.mesh).components, 2U);
     EXPECT_EQ(topology_of(many.mesh).genus, 0);
     EXPECT_THAT(many.warnings, ::testing::IsEmpty());
+    EXPECT_EQ(many.statistics.joined_parts, 2U);
     for (const auto variant : {Parameters::Variant::best, Parameters::Variant::fast, Parameters::Variant::paper}) {
       for (const auto lids : {Parameters::Lids::watershed, Parameters::Lids::mincut}) {
         const auto one = reconstruct(points, {.lids = lids, .variant = variant});
