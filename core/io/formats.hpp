@@ -62,6 +62,20 @@ Result<Bytes> write_ply_mesh(const TriangleMesh& mesh);
 Result<Bytes> write_draco(const TriangleMesh& mesh, const EncodeOptions& options);
 Result<Bytes> write_gltf(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options);
 
+Result<Bytes> write_obj_mesh(const TriangleMesh& mesh);
+Result<Bytes> write_stl_mesh(const TriangleMesh& mesh);
+Result<Bytes> write_3mf_mesh(const TriangleMesh& mesh, const EncodeOptions& options);
+Result<TriangleMesh> read_3mf_mesh(std::span<const std::byte> bytes, std::string_view name,
+                                   std::vector<std::string>& warnings);
+
+/// What is subtracted from the coordinates: nothing if float32 holds them, else the middle of the mesh
+/// rounded to a multiple of a power of two near its size. So it has few digits, is itself held by
+/// float32 wherever the mesh is not absurdly far away, and the subtraction is exact.
+Point3 float_origin_of(const std::vector<Point3>& positions);
+std::array<float, 3> local_position(const Point3& position, const Point3& origin);
+
+Bytes bytes_of_text(const std::string& text);
+
 /// True if float32 holds every coordinate exactly.
 bool fits_float32(const std::vector<Point3>& positions);
 

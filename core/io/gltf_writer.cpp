@@ -23,42 +23,15 @@ constexpr std::size_t kShortIndices = 65535;
 /// How far from 1 the squared length of a normal may be that is written as it is: what rounding to
 /// float32 leaves of a unit vector.
 constexpr double kUnitTolerance = 4 * std::numeric_limits<float>::epsilon();
-/// A larger mesh stays where it is: around another origin its coordinates could leave float32's range.
-constexpr double kLargestShifted = static_cast<double>(std::numeric_limits<float>::max()) / 4;
 constexpr std::uint64_t kGlbLimit = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kGlbMagic = 0x46546C67;
 constexpr std::uint32_t kGlbJson = 0x4E4F534A;
 constexpr std::uint32_t kGlbBinary = 0x004E4942;
 
-/// What is subtracted from the coordinates: nothing if float32 holds them, else the middle of the mesh
-/// rounded to a multiple of a power of two near its size. So it has few digits, is itself held by
-/// float32 wherever the mesh is not absurdly far away, and the subtraction is exact.
-Point3 origin_of(const std::vector<Point3>& positions) {
-  if (fits_float32(positions)) return {};
-  const Bounds bounds = bounds_of(positions);
-  double side = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) side = std::max(side, bounds.high[axis] - bounds.low[axis]);
-  if (side > kLargestShifted) return {};
-  Point3 origin{};
-  int exponent = 0;
-  std::frexp(side, &exponent);
-  const double step = std::ldexp(1.0, exponent - 2);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double middle = bounds.low[axis] + (bounds.high[axis] - bounds.low[axis]) / 2;
-    origin[axis] = side > 0 ? std::round(middle / step) * step : middle;
-  }
-  return origin;
-}
-
 std::vector<Vector3f> local_positions(const TriangleMesh& mesh, const Point3& origin) {
-  std::vector<Vector3f> local(mesh.positions.size());
-  const bool shifted = origin != Point3{};
-  for (std::size_t i = 0; i < local.size(); ++i) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double x = mesh.positions[i][axis];
-      local[i][axis] = static_cast<float>(shifted ? x - origin[axis] : x);  // x - 0 would turn -0 into 0
-    }
-  }
+  std::vector<Vector3f> local;
+  local.reserve(mesh.positions.size());
+  for (const Point3& p : mesh.positions) local.push_back(local_position(p, origin));
   return local;
 }
 
@@ -81,7 +54,7 @@ class ModelBuilder {
   ModelBuilder(const TriangleMesh& mesh, const EncodeOptions& options)
       : mesh_(mesh),
         options_(options),
-        origin_(origin_of(mesh.positions)),
+        origin_(float_origin_of(mesh.positions)),
         positions_(local_positions(mesh, origin_)),
         normals_(unit_normals(mesh.normals)) {
     model_.asset.version = "2.0";
@@ -240,11 +213,6 @@ void append_base64(std::string& text, std::span<const std::byte> bytes) {
   }
 }
 
-Bytes text_bytes(const std::string& text) {
-  const auto* begin = reinterpret_cast<const std::byte*>(text.data());
-  return {begin, begin + text.size()};
-}
-
 Result<Bytes> embedded(const ModelBuilder& builder, Json json) {
   Bytes buffer;
   buffer.reserve(static_cast<std::size_t>(builder.buffer_size()));
@@ -253,7 +221,7 @@ Result<Bytes> embedded(const ModelBuilder& builder, Json json) {
   uri.reserve(uri.size() + (buffer.size() + 2) / 3 * 4);
   append_base64(uri, buffer);
   json["buffers"][0]["uri"] = std::move(uri);
-  return text_bytes(json.dump());
+  return bytes_of_text(json.dump());
 }
 
 Result<Bytes> binary(const ModelBuilder& builder, const Json& json) {

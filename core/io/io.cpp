@@ -27,6 +27,9 @@ constexpr auto kExtensions = std::to_array<std::pair<std::string_view, MeshForma
     {".gltf", MeshFormat::gltf},
     {".drc", MeshFormat::drc},
     {".ply", MeshFormat::ply},
+    {".obj", MeshFormat::obj},
+    {".stl", MeshFormat::stl},
+    {".3mf", MeshFormat::threemf},
 });
 
 /// Runs a reader or writer and turns what it throws into errors: the wall of this room.
@@ -128,6 +131,7 @@ Result<TriangleMesh> parse_mesh(ByteSource& source, std::string_view name, std::
   if (io::looks_like_ply(start)) return io::read_ply_mesh(source, name, heard);
   if (starts_with(start, kDracoMagic)) return io::read_draco_mesh(source.rest(), name, {}, heard);
   if (looks_like_gltf(start)) return io::read_gltf_mesh(source.rest(), name, heard);
+  if (starts_with(start, "PK\x03\x04")) return io::read_3mf_mesh(source.rest(), name, heard);
   if (const auto stl = io::stl_kind_of(start, source.remaining())) return io::read_stl_mesh(source, name, *stl, heard);
   if (io::looks_like_obj(text_at(source))) return io::read_obj_mesh(source, name, heard);
   return unknown_format(
@@ -207,11 +211,19 @@ Result<MeshFormat> mesh_format_of(const std::filesystem::path& path) {
                "the extension '" + extension + "' of " + path.filename().string() + " is none of " + known};
 }
 
+std::string_view name_of(MeshFormat format) {
+  const auto* found = std::ranges::find(kExtensions, format, [](const auto& row) { return row.second; });
+  return found->first.substr(1);
+}
+
 Result<std::vector<std::byte>> encode_mesh(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options) {
   return guarded<std::vector<std::byte>>("the mesh", [&]() -> Result<std::vector<std::byte>> {
     if (Status status = check_mesh(mesh); !status) return std::move(status).error();
     if (format == MeshFormat::ply) return io::write_ply_mesh(mesh);
     if (format == MeshFormat::drc) return io::write_draco(mesh, options);
+    if (format == MeshFormat::obj) return io::write_obj_mesh(mesh);
+    if (format == MeshFormat::stl) return io::write_stl_mesh(mesh);
+    if (format == MeshFormat::threemf) return io::write_3mf_mesh(mesh, options);
     return io::write_gltf(mesh, format, options);
   });
 }

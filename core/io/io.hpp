@@ -33,7 +33,10 @@ Result<RawCloud> read_cloud(const std::filesystem::path& path, const ReadLimits&
 /// As read_cloud, from bytes in memory; `name` stands in messages.
 Result<RawCloud> parse_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits = {});
 
-enum class MeshFormat : std::uint8_t { glb, gltf, drc, ply };
+enum class MeshFormat : std::uint8_t { glb, gltf, drc, ply, obj, stl, threemf };
+
+/// The format's name, as in the extension without its dot.
+std::string_view name_of(MeshFormat format);
 
 /// Format by the extension of the path; unknown_output lists the extensions there are.
 Result<MeshFormat> mesh_format_of(const std::filesystem::path& path);
@@ -41,20 +44,28 @@ Result<MeshFormat> mesh_format_of(const std::filesystem::path& path);
 /// Which axis of the cloud points up. glTF is Y-up: with z its node is rotated, the vertices stay.
 enum class UpAxis : std::uint8_t { y, z };
 
+/// What a coordinate of 1 means; only 3MF says it.
+enum class Unit : std::uint8_t { millimetre, centimetre, metre, inch };
+
 struct EncodeOptions {
   /// Draco: bits per coordinate, 8..30; none keeps float32 exactly.
   std::optional<int> quantization_bits;
   UpAxis up = UpAxis::y;
+  Unit unit = Unit::millimetre;
   /// JSON object for `asset.extras` of a glTF; empty for none.
   std::string extras_json;
 };
 
-/// Encodes a mesh. Vertex order and triangle order are kept in every format.
-/// glTF: POSITION as float32, NORMAL, COLOR_0 where known; coordinates that float32 holds are kept bit
-/// for bit, otherwise an origin is subtracted that stands in the node's translation and, as double, in
-/// `extras.origin` of the node. The same mesh and options give the same bytes.
+/// Encodes a mesh. Vertex order and triangle order are kept in every format but STL, which has no vertices of its own.
+/// OBJ keeps doubles, and no opacity. STL and 3MF: float32 around an origin as in glTF, which the header or a comment
+/// names; neither normals of vertices nor colours. glTF: POSITION as float32, NORMAL, COLOR_0 where known; coordinates
+/// that float32 holds are kept bit for bit, otherwise an origin is subtracted that stands in the node's translation
+/// and, as double, in `extras.origin` of the node. The same mesh and options give the same bytes.
 Result<std::vector<std::byte>> encode_mesh(const TriangleMesh& mesh, MeshFormat format,
                                            const EncodeOptions& options = {});
+
+/// The positions as an STL of the mesh holds them, vertex by vertex: its facets cannot be compared one by one.
+std::vector<Point3> positions_in_stl(const TriangleMesh& mesh);
 
 /// Decodes a mesh in any MeshFormat, told by content: what a reader of the file gets. Node transforms
 /// other than the `up` rotation are applied, in double; polygons are cut into fans. Triangles with a

@@ -1,25 +1,32 @@
 #include "reconstruction/methods.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace surfaced {
 namespace {
 
 /// Parameters that concern the output and not the method.
 Json common_properties() {
-  return Json{{"up",
-               {{"enum", {"y", "z"}},
-                {"default", "y"},
-                {"title", "Up axis of the cloud"},
-                {"description", "glTF is Y-up: with z the node of a GLB is rotated, the vertices stay as they are."}}},
-              {"quantization",
-               {{"oneOf", {Json{{"const", "none"}}, Json{{"type", "integer"}, {"minimum", 8}, {"maximum", 30}}}},
-                {"default", "none"},
-                {"title", "Bits per coordinate in a Draco file"},
-                {"description",
-                 "none keeps float32 exactly; fewer bits make a smaller file and move the vertices, "
-                 "by what the report's encoding.max_error says."},
-                {"x-unit", "bits"}}}};
+  return Json{
+      {"up",
+       {{"enum", {"y", "z"}},
+        {"default", "y"},
+        {"title", "Up axis of the cloud"},
+        {"description", "glTF is Y-up: with z the node of a GLB is rotated, the vertices stay as they are."}}},
+      {"quantization",
+       {{"oneOf", {Json{{"const", "none"}}, Json{{"type", "integer"}, {"minimum", 8}, {"maximum", 30}}}},
+        {"default", "none"},
+        {"title", "Bits per coordinate in a Draco file"},
+        {"description",
+         "none keeps float32 exactly; fewer bits make a smaller file and move the vertices, "
+         "by what the report's encoding.max_error says."},
+        {"x-unit", "bits"}}},
+      {"unit",
+       {{"enum", {"mm", "cm", "m", "in"}},
+        {"default", "mm"},
+        {"title", "Unit of the coordinates"},
+        {"description", "What a coordinate of 1 means: stands in a 3MF and in the report; nothing is scaled."}}}};
 }
 
 const std::vector<Method>& table() {
@@ -92,6 +99,11 @@ const Method& method_of(const MethodInfo& info) {
 EncodeOptions encode_options_of(const Json& parameters) {
   EncodeOptions options;
   if (parameters.at("up") == "z") options.up = UpAxis::z;
+  constexpr auto kUnits = std::to_array<std::pair<std::string_view, Unit>>(
+      {{"mm", Unit::millimetre}, {"cm", Unit::centimetre}, {"m", Unit::metre}, {"in", Unit::inch}});
+  for (const auto& [name, unit] : kUnits) {
+    if (parameters.at("unit") == name) options.unit = unit;
+  }
   if (parameters.at("quantization").is_number()) options.quantization_bits = parameters.at("quantization").get<int>();
   return options;
 }

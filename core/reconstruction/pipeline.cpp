@@ -57,6 +57,13 @@ EncodingEffect effect_of_encoding(const TriangleMesh& computed, const TriangleMe
   return effect;
 }
 
+/// An STL has no vertices, only corners: those of the computed mesh are compared with what the file holds of each.
+EncodingEffect effect_of_stl(const TriangleMesh& computed) {
+  TriangleMesh stored;
+  stored.positions = positions_in_stl(computed);
+  return effect_of_encoding(computed, stored);
+}
+
 /// Distinct points of the cloud that no triangle of the mesh uses. A point is a vertex if it equals one
 /// after both are rounded to float32, the precision of mesh files.
 PointUse use_of_points(const PointCloud& cloud, const TriangleMesh& mesh, const Topology& topology, bool interpolates) {
@@ -108,18 +115,26 @@ Json quality_of(const Reconstruction& result, const PointCloud& cloud, bool inte
 }
 
 Result<Measured> measure_encoded(const Reconstruction& result, const PointCloud& cloud, bool interpolates,
-                                 const TriangleMesh& decoded, std::string_view format) {
-  if (decoded.positions.size() != result.mesh.positions.size()) {
+                                 const TriangleMesh& decoded, MeshFormat format) {
+  const bool stl = format == MeshFormat::stl;
+  if (!stl && decoded.positions.size() != result.mesh.positions.size()) {
     return Error{ErrorCode::internal_error, "the encoded mesh decodes to " + std::to_string(decoded.positions.size()) +
                                                 " vertices instead of " + std::to_string(result.mesh.positions.size())};
   }
   const Topology topology = topology_of(decoded);
-  const EncodingEffect effect = effect_of_encoding(result.mesh, decoded);
+  const EncodingEffect effect = stl ? effect_of_stl(result.mesh) : effect_of_encoding(result.mesh, decoded);
   return Measured{
       .mesh = topology_json(topology),
       .quality = quality_of(result, cloud, interpolates, decoded, topology),
-      .encoding =
-          Json{{"format", format}, {"max_error", effect.max_error}, {"merged_vertices", effect.merged_vertices}}};
+      .encoding = Json{
+          {"format", name_of(format)}, {"max_error", effect.max_error}, {"merged_vertices", effect.merged_vertices}}};
+}
+
+/// What a printer asks: how large, in which unit, how much material.
+Json printing_json(const TriangleMesh& mesh, const Json& quality, const Json& parameters) {
+  return Json{{"unit", parameters.at("unit")},
+              {"bounding_box", bounds_of(mesh.positions).high - bounds_of(mesh.positions).low},
+              {"volume", quality.at("volume")}};
 }
 
 /// The part of the report that is the same for every run on the same points.
@@ -139,26 +154,13 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
   Json report{{"method", request.method->id}, {"parameters", request.parameters},
               {"cloud", cloud_json(cloud)},   {"mesh", measured.mesh},
               {"warnings", warnings},         {"quality", measured.quality}};
+  report["printing"] = printing_json(result.mesh, measured.quality, request.parameters);
   if (measured.certificate) report["certificate"] = certificate_json(*measured.certificate);
   report["method_statistics"] = result.statistics;
   report["hole_filling"] = result.hole_filling;
   report["encoding"] = measured.encoding;
   report["provenance"] = Json{{"generator", "surfaced"}, {"version", version()}};
   return report;
-}
-
-std::string_view name_of(MeshFormat format) {
-  switch (format) {
-    case MeshFormat::glb:
-      return "glb";
-    case MeshFormat::gltf:
-      return "gltf";
-    case MeshFormat::drc:
-      return "drc";
-    case MeshFormat::ply:
-      return "ply";
-  }
-  return "unknown";
 }
 
 /// The certificate of the mesh, where the method has one.
@@ -180,7 +182,7 @@ Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const 
   Result<TriangleMesh> decoded = decode_mesh(*bytes, "the encoded mesh");
   if (!decoded) return std::move(decoded).error();
   const bool interpolates = method_of(*request.method).interpolates;
-  Result<Measured> measured = measure_encoded(result, cloud, interpolates, *decoded, name_of(format));
+  Result<Measured> measured = measure_encoded(result, cloud, interpolates, *decoded, format);
   if (!measured) return std::move(measured).error();
   if (Status certified = add_certificate(request, *decoded, *measured, context); !certified) {
     return std::move(certified).error();

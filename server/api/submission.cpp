@@ -17,7 +17,10 @@ struct OutputKind {
 constexpr auto kMeshes = std::to_array<OutputKind>({{"mesh.glb", "model/gltf-binary"},
                                                     {"mesh.gltf", "model/gltf+json"},
                                                     {"mesh.drc", "application/octet-stream"},
-                                                    {"mesh.ply", "application/octet-stream"}});
+                                                    {"mesh.ply", "application/octet-stream"},
+                                                    {"mesh.obj", "model/obj"},
+                                                    {"mesh.stl", "model/stl"},
+                                                    {"mesh.3mf", "model/3mf"}});
 constexpr auto kOthers =
     std::to_array<OutputKind>({{"report.json", "application/json"}, {"log.txt", "text/plain; charset=utf-8"}});
 constexpr OutputKind kPoints{"cloud.ply", "application/octet-stream"};
@@ -66,7 +69,7 @@ Result<std::string> wanted_mesh(const http::Query& query, Door door) {
   if (door == Door::jobs) return mesh_among(*text);
   const std::string name = "mesh." + *text;
   if (is_among(kMeshes, name)) return name;
-  return Error{ErrorCode::unknown_output, "output is '" + *text + "'; allowed are glb, gltf, drc, ply"};
+  return Error{ErrorCode::unknown_output, "output is '" + *text + "'; allowed are glb, gltf, drc, ply, obj, stl, 3mf"};
 }
 
 /// Whether the list of outputs names the method's cloud; unknown_output if it does and the method makes none.

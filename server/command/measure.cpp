@@ -32,7 +32,8 @@ int measure(const Options& options) {
 void add_measure(CLI::App& app, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("measure", "Measure the quality of any mesh");
-  command->add_option("MESH", options->mesh, "Mesh: GLB, glTF, Draco, PLY, OBJ or STL, told by content")->required();
+  command->add_option("MESH", options->mesh, "Mesh: GLB, glTF, Draco, PLY, OBJ, STL or 3MF, told by content")
+      ->required();
   command->add_option("--cloud", options->cloud, "Cloud to count unused and interior points of")
       ->envname("SURFACED_CLOUD");
   command->add_option("--report", options->report, "Where to write the report; - for standard output")

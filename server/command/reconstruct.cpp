@@ -84,7 +84,9 @@ void add_reconstruct(CLI::App& app, Run& run) {
       ->add_option("CLOUD", options->cloud,
                    "Point cloud: PLY, Draco, LAS, PCD, glTF, OBJ, STL or text, told by content")
       ->required();
-  command->add_option("-o", options->mesh, "Mesh to write: .glb, .gltf, .drc or .ply")->required()->type_name("MESH");
+  command->add_option("-o", options->mesh, "Mesh to write: .glb, .gltf, .drc, .ply, .obj, .stl or .3mf")
+      ->required()
+      ->type_name("MESH");
   command->add_option("--method", options->method, "Method, see: surfaced methods")
       ->capture_default_str()
       ->envname("SURFACED_METHOD");

@@ -6,6 +6,7 @@
 #include "support/limited_child.hpp"
 #include "support/results.hpp"
 #include "support/scan_files.hpp"
+#include "support/shapes.hpp"
 
 namespace surfaced {
 namespace {
@@ -160,6 +161,18 @@ TEST(CloudFormatsHostile, every_flipped_bit_is_survived) {
       EXPECT_NE(code_of(decode_mesh(testing::as_bytes(text), "mesh")), "internal_error");
       flip();
     }
+  }
+}
+
+TEST(MeshFormatsHostile, every_truncation_and_flipped_bit_of_a_3mf_is_survived) {
+  std::vector<std::byte> bytes = encode_mesh(tetrahedron(), MeshFormat::threemf).value();
+  for (std::size_t size = 1; size < bytes.size(); ++size) {
+    EXPECT_NE(code_of(decode_mesh(std::span(bytes).first(size), "cut.3mf")), "ok") << size;
+  }
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    bytes[bit / 8] ^= static_cast<std::byte>(1U << bit % 8);
+    EXPECT_NE(code_of(decode_mesh(bytes, "flipped.3mf")), "internal_error") << bit;
+    bytes[bit / 8] ^= static_cast<std::byte>(1U << bit % 8);
   }
 }
 

@@ -88,11 +88,43 @@ TEST(RoundTrip, meshes_that_float32_holds_come_back_bit_for_bit_in_every_format)
   }
 }
 
+TEST(RoundTrip, obj_and_3mf_keep_vertices_and_triangles_bit_for_bit) {
+  for (const TriangleMesh& mesh : exact_meshes()) {
+    const auto obj = decode_mesh(encode_mesh(mesh, MeshFormat::obj).value(), "mesh.obj");
+    ASSERT_TRUE(obj.ok()) << detail_of(obj);
+    EXPECT_TRUE(same_bits(obj->positions, mesh.positions));
+    EXPECT_TRUE(same_bits(obj->normals, mesh.normals));
+    EXPECT_EQ(obj->triangles, mesh.triangles);
+    ASSERT_EQ(obj->colors.size(), mesh.colors.size());
+    for (std::size_t v = 0; v < mesh.colors.size(); ++v) {
+      EXPECT_TRUE(std::ranges::equal(std::span(obj->colors[v]).first(3), std::span(mesh.colors[v]).first(3)));
+    }
+    const auto printed = decode_mesh(encode_mesh(mesh, MeshFormat::threemf).value(), "mesh.3mf");
+    ASSERT_TRUE(printed.ok()) << detail_of(printed);
+    EXPECT_TRUE(same_bits(printed->positions, mesh.positions));
+    EXPECT_EQ(printed->triangles, mesh.triangles);
+  }
+}
+
+TEST(RoundTrip, stl_keeps_every_corner_bit_for_bit) {
+  for (const TriangleMesh& mesh : exact_meshes()) {
+    const auto stl = decode_mesh(encode_mesh(mesh, MeshFormat::stl).value(), "mesh.stl");
+    ASSERT_TRUE(stl.ok()) << detail_of(stl);
+    ASSERT_EQ(stl->triangles.size(), mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(stl->positions[stl->triangles[t][k]], mesh.positions[mesh.triangles[t][k]]);
+      }
+    }
+  }
+}
+
 TEST(RoundTrip, the_same_mesh_gives_the_same_bytes) {
   const TriangleMesh mesh = with_colors(with_normals(torus_mesh(20, 10)));
   for (const MeshFormat format : kFormats) {
     EXPECT_EQ(encode_mesh(mesh, format).value(), encode_mesh(mesh, format).value());
   }
+  EXPECT_EQ(encode_mesh(mesh, MeshFormat::threemf).value(), encode_mesh(mesh, MeshFormat::threemf).value());
 }
 
 TriangleMesh far_away() {
@@ -102,7 +134,7 @@ TriangleMesh far_away() {
 }
 
 TEST(RoundTrip, doubles_are_exact_in_ply_and_draco) {
-  for (const MeshFormat format : {MeshFormat::ply, MeshFormat::drc}) {
+  for (const MeshFormat format : {MeshFormat::ply, MeshFormat::drc, MeshFormat::obj}) {
     const TriangleMesh mesh = far_away();
     const auto back = decode_mesh(encode_mesh(mesh, format).value(), "mesh");
     ASSERT_TRUE(back.ok()) << detail_of(back);
@@ -122,6 +154,20 @@ TEST(RoundTrip, doubles_far_away_lose_less_than_half_a_float32_step_of_the_meshs
         for (std::size_t axis = 0; axis < 3; ++axis) {
           EXPECT_NEAR(back->positions[i][axis], mesh.positions[i][axis], step);
         }
+      }
+    }
+  }
+}
+
+TEST(RoundTrip, doubles_far_away_keep_their_origin_in_stl_and_3mf) {
+  const TriangleMesh mesh = far_away();
+  for (const MeshFormat format : {MeshFormat::stl, MeshFormat::threemf}) {
+    const auto back = decode_mesh(encode_mesh(mesh, format).value(), "mesh");
+    ASSERT_TRUE(back.ok()) << detail_of(back);
+    ASSERT_EQ(back->triangles.size(), mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_LT(norm(back->positions[back->triangles[t][k]] - mesh.positions[mesh.triangles[t][k]]), 1e-5);
       }
     }
   }

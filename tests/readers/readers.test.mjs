@@ -4,7 +4,7 @@ import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import path from 'node:path';
 import { before, describe, test } from 'node:test';
 import { Vector3 } from 'three';
-import { asSet, openPlyWithThree, openWithDraco, openWithThree, plyOf, reconstruct, sphere, validate } from './support.mjs';
+import { asSet, open3mfWithPython, openObjWithThree, openPlyWithThree, openStlWithThree, openWithDraco, openWithThree, plyOf, reconstruct, sphere, validate } from './support.mjs';
 
 const float32 = (points) => Float32Array.from(points.flat());
 
@@ -19,7 +19,8 @@ for (const { name, points, options, indexBytes } of clouds) {
     const files = {};
     before(() => {
       const cloud = plyOf(points, options);
-      for (const extension of ['glb', 'gltf', 'drc', 'ply']) files[extension] = reconstruct(cloud, extension);
+      for (const extension of ['glb', 'gltf', 'drc', 'ply', 'obj', 'stl']) files[extension] = reconstruct(cloud, extension);
+      files['3mf'] = reconstruct(cloud, '3mf', ['--param', 'unit=in']);
     });
 
     for (const extension of ['glb', 'gltf']) {
@@ -55,6 +56,16 @@ for (const { name, points, options, indexBytes } of clouds) {
       assert.deepEqual(ply.positions, glb.positions);
       assert.deepEqual(ply.indices, glb.indices);
       assert.deepEqual(ply.normals, glb.normals);
+    });
+
+    test('three.js opens obj and stl, and Python the 3mf, with the corners of the glb bit for bit', async () => {
+      const glb = await openWithThree(files.glb.bytes);
+      const corners = Float32Array.from(Array.from(glb.indices).flatMap((v) => [...glb.positions.slice(3 * v, 3 * v + 3)]));
+      assert.deepEqual(openStlWithThree(files.stl.bytes), corners);
+      assert.deepEqual(Float32Array.from(openObjWithThree(files.obj.bytes)), corners);
+      const printed = open3mfWithPython(files['3mf'].bytes);
+      assert.equal(printed.unit, 'inch');
+      assert.deepEqual(printed.corners, corners);
     });
 
     test('colours are those of the points', async () => {

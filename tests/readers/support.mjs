@@ -6,7 +6,9 @@ import path from 'node:path';
 import draco3d from 'draco3d';
 import validator from 'gltf-validator';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { OBJLoader } from 'three/addons/loaders/OBJLoader.js';
 import { PLYLoader } from 'three/addons/loaders/PLYLoader.js';
+import { STLLoader } from 'three/addons/loaders/STLLoader.js';
 
 // three's FileLoader reports progress with it, even for data URIs; Node has none.
 globalThis.ProgressEvent ??= class extends Event {};
@@ -79,6 +81,32 @@ export async function openWithThree(bytes) {
 }
 
 export const openPlyWithThree = (bytes) => fromGeometry(new PLYLoader().parse(toArrayBuffer(bytes)));
+
+/** The corners of all triangles, nine numbers each, as three.js reads them. */
+export const openStlWithThree = (bytes) => new STLLoader().parse(toArrayBuffer(bytes)).getAttribute('position').array;
+export function openObjWithThree(bytes) {
+  const meshes = [];
+  new OBJLoader().parse(bytes.toString('latin1')).traverse((node) => node.isMesh && meshes.push(node));
+  if (meshes.length !== 1) throw new Error(`${meshes.length} meshes`);
+  return meshes[0].geometry.getAttribute('position').array;
+}
+
+/** A 3MF as Python's zipfile and XML parser read it: unit, and the corners of all triangles. */
+export function open3mfWithPython(bytes) {
+  const script = `
+import io, json, sys, zipfile, xml.etree.ElementTree as tree
+archive = zipfile.ZipFile(io.BytesIO(sys.stdin.buffer.read()))
+assert archive.testzip() is None and archive.namelist()[0] == '[Content_Types].xml'
+core = '{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}'
+model = tree.fromstring(archive.read('3D/3dmodel.model'))
+points = [[float(v.get(a)) for a in 'xyz'] for v in model.iter(core + 'vertex')]
+corners = [points[int(t.get(k))] for t in model.iter(core + 'triangle') for k in ('v1', 'v2', 'v3')]
+print(json.dumps({'unit': model.get('unit'), 'corners': corners}))
+`;
+  const text = execFileSync('python3', ['-c', script], { input: bytes, encoding: 'utf8', maxBuffer: 1 << 28 });
+  const { unit, corners } = JSON.parse(text);
+  return { unit, corners: Float32Array.from(corners.flat()) };
+}
 
 /** draco3d's view of a Draco mesh. */
 export async function openWithDraco(bytes) {

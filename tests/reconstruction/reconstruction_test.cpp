@@ -59,7 +59,7 @@ TEST(CheckParameters, fills_in_the_defaults_in_the_schema_s_order) {
   const auto parameters = check_parameters(front(), Json::object());
   ASSERT_TRUE(parameters);
   EXPECT_EQ(parameters->dump(),
-            R"({"radius_ratio_bound":5,"beta":0.52,"fill_holes":"none","up":"y","quantization":"none"})");
+            R"({"radius_ratio_bound":5,"beta":0.52,"fill_holes":"none","up":"y","quantization":"none","unit":"mm"})");
 }
 
 TEST(CheckParameters, names_the_parameter_the_value_and_what_is_allowed) {
@@ -100,7 +100,7 @@ TEST(ParametersFromText, refuses_garbage_and_repetition) {
 
 TEST_F(Files, report_agrees_with_a_recount_of_the_written_mesh) {
   const auto cloud = write_cloud("sphere.ply", testing::sphere_points(600));
-  for (const std::string mesh : {"m.glb", "m.gltf", "m.drc", "m.ply"}) {
+  for (const std::string mesh : {"m.glb", "m.gltf", "m.drc", "m.ply", "m.obj", "m.stl", "m.3mf"}) {
     const auto report = reconstruct(cloud, mesh);
     ASSERT_TRUE(report) << mesh << ": " << report.error().detail;
     const auto decoded = read_mesh(folder_ / mesh);
@@ -175,6 +175,14 @@ TEST_F(Files, stages_cover_the_wall_time_and_start_with_read) {
   EXPECT_NEAR(sum, report->at("resources").at("wall_seconds").get<double>(), 1e-9);
   EXPECT_EQ(report->at("stages").front().at("name"), "read");
   EXPECT_EQ(report->at("stages").back().at("name"), "write");
+}
+
+TEST_F(Files, the_printing_section_says_unit_and_extent) {
+  const auto report = reconstruct(write_cloud("s.ply", testing::sphere_points(500)), "s.3mf", Json{{"unit", "cm"}});
+  ASSERT_TRUE(report) << report.error().detail;
+  EXPECT_EQ(report->at("printing").at("unit"), "cm");
+  EXPECT_NEAR(report->at("printing").at("bounding_box")[2].get<double>(), 2, 0.01);
+  EXPECT_EQ(report->at("printing").at("volume"), report->at("quality").at("volume"));
 }
 
 TEST_F(Files, quantised_draco_reports_its_error_within_the_step_of_its_grid) {
