@@ -152,8 +152,8 @@ Result<RawTriangulation> triangulate(std::span<const Point3> points, Context& co
 /// CGAL's Delaunay triangulation: the same cells in more time and memory.
 Result<RawTriangulation> triangulate_with_cgal(std::span<const Point3> points, Context& context);
 
-/// Triangulates the cloud and flattens the result; enters the stages `delaunay` (up to progress
-/// `until`/2) and `flatten` (up to `until`).
+/// Triangulates the cloud and flattens the result; enters the stages `delaunay` (up to
+/// 3/4 of `until`) and `flatten` (up to `until`).
 /// @return  too_few_points, collinear or coplanar (exact) with the number of distinct points; cancelled.
 /// @cost    O(V log V) expected for points on surfaces; 0.35 kB per point kept, about 0.55 kB at the peak.
 Result<DelaunayComplex> delaunay_complex(const PointCloud& cloud, Context& context, double until,

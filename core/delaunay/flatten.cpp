@@ -70,9 +70,19 @@ SortedCell sorted_cell(const RawTriangulation& raw, std::uint32_t c) {
 
 /// Where the raw cells went.
 struct Places {
+  struct Place {
+    std::uint32_t cell;
+    /// As in SortedCell.
+    std::uint32_t slots;
+  };
   std::vector<std::uint32_t> raw_of;
-  std::vector<std::uint32_t> place_of;
-  std::vector<std::uint8_t> slots_of;
+  std::vector<Place> place_of;
+
+  /// Asks for a raw cell that will be looked at soon, before place `end`: they lie in another order.
+  void prefetch(const RawTriangulation& raw, std::size_t place, std::size_t end) const {
+    constexpr std::size_t kAhead = 16;
+    if (place + kAhead < end) __builtin_prefetch(&raw.cells[raw_of[place + kAhead]]);
+  }
 };
 
 /// Puts the cells in ascending order of their sorted vertices: counting sort by the least vertex, then a
@@ -86,7 +96,7 @@ Places place_vertices(const RawTriangulation& raw, unsigned threads, DelaunayCom
   };
   for (std::size_t c = 0; c < cells; ++c) ++starts[least(c) + 1];
   for (std::size_t v = 0; v < complex.points(); ++v) starts[v + 1] += starts[v];
-  Places places{std::vector<std::uint32_t>(cells), std::vector<std::uint32_t>(cells), std::vector<std::uint8_t>(cells)};
+  Places places{std::vector<std::uint32_t>(cells), std::vector<Places::Place>(cells)};
   for (std::size_t c = 0; c < cells; ++c) places.raw_of[starts[least(c)]++] = static_cast<std::uint32_t>(c);
   complex.table.resize(cells);
   complex.mirrored.resize(cells);
@@ -95,15 +105,17 @@ Places place_vertices(const RawTriangulation& raw, unsigned threads, DelaunayCom
     for (std::size_t v = begin; v < end; ++v) {
       const std::size_t first = v == 0 ? 0 : starts[v - 1];
       bucket.clear();
-      for (std::size_t k = first; k < starts[v]; ++k) bucket.push_back(sorted_cell(raw, places.raw_of[k]));
+      for (std::size_t k = first; k < starts[v]; ++k) {
+        places.prefetch(raw, k, starts[end - 1]);
+        bucket.push_back(sorted_cell(raw, places.raw_of[k]));
+      }
       std::ranges::sort(bucket, {}, &SortedCell::vertices);
       for (std::size_t k = first; k < starts[v]; ++k) {
         const SortedCell& cell = bucket[k - first];
         for (std::size_t i = 0; i < 4; ++i) complex.table[k].vertices[i] = VertexIndex(cell.vertices[i]);
         complex.mirrored[k] = cell.mirrored;
         places.raw_of[k] = cell.raw;
-        places.place_of[cell.raw] = static_cast<std::uint32_t>(k);
-        places.slots_of[cell.raw] = cell.slots;
+        places.place_of[cell.raw] = {static_cast<std::uint32_t>(k), cell.slots};
       }
     }
   });
@@ -114,13 +126,14 @@ Places place_vertices(const RawTriangulation& raw, unsigned threads, DelaunayCom
 void place_cells(const RawTriangulation& raw, unsigned threads, DelaunayComplex& complex) {
   const Places places = place_vertices(raw, threads, complex);
   const auto place = [&](std::size_t side) {
-    return SideIndex(4 * std::size_t{places.place_of[side / 4]} +
-                     ((unsigned{places.slots_of[side / 4]} >> (2 * (side % 4))) & 3U));
+    const Places::Place& at = places.place_of[side / 4];
+    return SideIndex(4 * std::size_t{at.cell} + (at.slots >> (2 * (side % 4)) & 3U));
   };
   parallel_ranges(threads, complex.cells(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
+      places.prefetch(raw, c, end);
       const std::size_t r = places.raw_of[c];
-      const unsigned slots = places.slots_of[r];
+      const std::uint32_t slots = places.place_of[r].slots;
       for (std::size_t i = 0; i < 4; ++i) complex.table[c].mates[slots >> (2 * i) & 3U] = place(raw.cells[r].mates[i]);
     }
   });
