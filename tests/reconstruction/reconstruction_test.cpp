@@ -157,6 +157,26 @@ TEST_F(Files, holes_are_filled_behind_any_method_that_leaves_them_and_counted) {
   }
 }
 
+TEST_F(Files, a_certificate_is_in_the_reports_of_intrinsic_delaunay_and_of_measured_meshes) {
+  const auto cloud = write_cloud("sphere.ply", testing::sphere_points(3000));
+  const auto without = reconstruct(cloud, "front.glb");
+  ASSERT_TRUE(without);
+  EXPECT_FALSE(without->contains("certificate"));
+  const MethodInfo& method = **find_method("intrinsic-delaunay");
+  Context context;
+  const auto report =
+      reconstruct_file({cloud, folder_ / "m.glb", &method, *check_parameters(method, Json::object()), {}, {}}, context);
+  ASSERT_TRUE(report);
+  const Json& certificate = report->at("certificate");
+  EXPECT_EQ(certificate.at("bounds_met"), true);
+  EXPECT_EQ(certificate.at("premises").at("injectivity_and_convexity").at("met"), "assumed");
+  EXPECT_NEAR(certificate.at("curvature").at("p99").get<double>(), 1, 0.03);
+  Context again(2);
+  const auto measured = measure_file(folder_ / "m.glb", std::nullopt, false, again);
+  ASSERT_TRUE(measured);
+  EXPECT_EQ(measured->at("certificate"), certificate);
+}
+
 TEST_F(Files, mesh_has_the_same_bytes_for_any_order_of_the_points) {
   std::vector<Point3> points = testing::torus_points(40, 16);
   const auto first = write_cloud("a.ply", points);
