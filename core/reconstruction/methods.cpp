@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "reconstruction/preparing_stage.hpp"
+
 namespace surfaced {
 namespace {
 
@@ -49,6 +51,8 @@ const std::vector<MethodInfo>& infos() {
 Json schema_of(Json properties) {
   const Json common = common_properties();  // items() of a temporary would outlive it
   for (const auto& [name, schema] : common.items()) properties[name] = schema;
+  const Json preparing = preparing_properties();
+  for (const auto& [name, schema] : preparing.items()) properties[name] = schema;
   return Json{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
               {"type", "object"},
               {"additionalProperties", false},

@@ -6,6 +6,7 @@
 
 #include "reconstruction/methods.hpp"
 #include "reconstruction/position_set.hpp"
+#include "reconstruction/preparing_stage.hpp"
 #include "reconstruction/provenance.hpp"
 #include "reconstruction/report.hpp"
 
@@ -14,6 +15,7 @@ namespace {
 
 // Shares of the progress bar.
 constexpr double kReadUntil = 0.1;
+constexpr double kPreparedUntil = 0.3;
 constexpr double kMethodUntil = 0.9;
 
 /// Drops the vertices that no triangle uses, keeping the order of the others.
@@ -90,6 +92,10 @@ PointUse use_of_points(const PointCloud& cloud, const TriangleMesh& mesh, const 
   return use;
 }
 
+bool asks_for_preparing(const Json& parameters) {
+  return parameters.at("outliers") != "none" || parameters.at("sample") != "none";
+}
+
 Result<PointCloud> load(const std::filesystem::path& path, const ReadLimits& limits, std::string_view name,
                         Context& context) {
   context.section(kReadUntil);
@@ -138,8 +144,8 @@ Json printing_json(const TriangleMesh& mesh, const Json& quality, const Json& pa
 }
 
 /// The part of the report that is the same for every run on the same points.
-Json reproducible_report(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result,
-                         const Measured& measured) {
+Json reproducible_report(const FileRequest& request, const PointCloud& cloud, const Json& preparing,
+                         const Reconstruction& result, const Measured& measured) {
   std::vector<std::string> warnings = cloud.warnings;
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
   if (const Json& open = measured.mesh.at("boundary_edges"); open > 0) {
@@ -154,6 +160,7 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
   Json report{{"method", request.method->id}, {"parameters", request.parameters},
               {"cloud", cloud_json(cloud)},   {"mesh", measured.mesh},
               {"warnings", warnings},         {"quality", measured.quality}};
+  report["preparing"] = preparing;
   report["printing"] = printing_json(result.mesh, measured.quality, request.parameters);
   if (measured.certificate) report["certificate"] = certificate_json(*measured.certificate);
   report["method_statistics"] = result.statistics;
@@ -173,8 +180,8 @@ Status add_certificate(const FileRequest& request, const TriangleMesh& mesh, Mea
 }
 
 /// Encodes the mesh, measures the decoded file and writes it; returns the reproducible report.
-Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result,
-                     MeshFormat format, Context& context) {
+Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const Json& preparing,
+                     const Reconstruction& result, MeshFormat format, Context& context) {
   context.enter("quality", 0.7);
   EncodeOptions options = encode_options_of(request.parameters);
   Result<std::vector<std::byte>> bytes = encode_mesh(result.mesh, format, options);
@@ -187,7 +194,7 @@ Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const 
   if (Status certified = add_certificate(request, *decoded, *measured, context); !certified) {
     return std::move(certified).error();
   }
-  Json report = reproducible_report(request, cloud, result, *measured);
+  Json report = reproducible_report(request, cloud, preparing, result, *measured);
 
   context.enter("write", 1);
   if (format == MeshFormat::glb || format == MeshFormat::gltf) {
@@ -201,8 +208,8 @@ Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const 
 }
 
 /// The report where only points are asked for: of the mesh as computed.
-Result<Json> measure_unwritten(const FileRequest& request, const PointCloud& cloud, const Reconstruction& result,
-                               Context& context) {
+Result<Json> measure_unwritten(const FileRequest& request, const PointCloud& cloud, const Json& preparing,
+                               const Reconstruction& result, Context& context) {
   context.enter("quality", 1);
   const Topology topology = topology_of(result.mesh);
   const bool interpolates = method_of(*request.method).interpolates;
@@ -212,7 +219,7 @@ Result<Json> measure_unwritten(const FileRequest& request, const PointCloud& clo
   if (Status certified = add_certificate(request, result.mesh, measured, context); !certified) {
     return std::move(certified).error();
   }
-  return reproducible_report(request, cloud, result, measured);
+  return reproducible_report(request, cloud, preparing, result, measured);
 }
 
 double seconds_of(const std::vector<Stage>& stages) {
@@ -242,9 +249,10 @@ Result<Reconstruction> engine_of(const PointCloud& cloud, const MethodInfo& meth
   return result;
 }
 
-void finish(TriangleMesh& mesh) {
-  compact(mesh);
-  sort_triangles(mesh);
+void finish(Reconstruction& result, const Json& parameters) {
+  if (const double fraction = parameters.at("drop_parts"); fraction > 0) drop_small_parts(result, fraction);
+  compact(result.mesh);
+  sort_triangles(result.mesh);
 }
 
 }  // namespace
@@ -252,7 +260,7 @@ void finish(TriangleMesh& mesh) {
 Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters,
                            Context& context) {
   Result<Reconstruction> result = engine_of(cloud, method, parameters, context);
-  if (result) finish(result->mesh);
+  if (result) finish(*result, parameters);
   return result;
 }
 
@@ -268,18 +276,27 @@ Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
   }
   const Result<PointCloud> cloud = load(request.cloud, request.limits, request.cloud_name, context);
   if (!cloud) return cloud.error();
+  std::optional<Prepared> prepared;
+  if (asks_for_preparing(request.parameters)) {
+    context.section(kPreparedUntil);
+    Result<Prepared> ready = prepare(*cloud, request.parameters, context);
+    if (!ready) return std::move(ready).error();
+    prepared = std::move(*ready);
+  }
   context.section(kMethodUntil);
-  Result<Reconstruction> result = engine_of(*cloud, *request.method, request.parameters, context);
+  Result<Reconstruction> result =
+      engine_of(prepared ? prepared->cloud : *cloud, *request.method, request.parameters, context);
   if (!result) return std::move(result).error();
   std::vector<std::byte> points;
   if (!request.points.empty()) {
     points = encode_cloud_ply(result->mesh.positions, result->mesh.normals, result->mesh.colors);
   }
-  finish(result->mesh);
+  finish(*result, request.parameters);
   if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled before the mesh was written"};
   context.section(1);
-  Result<Json> report = format ? deliver(request, *cloud, *result, *format, context)
-                               : measure_unwritten(request, *cloud, *result, context);
+  const Json preparing = prepared ? prepared->stages : Json::array();
+  Result<Json> report = format ? deliver(request, *cloud, preparing, *result, *format, context)
+                               : measure_unwritten(request, *cloud, preparing, *result, context);
   if (!report) return report;
   if (!request.points.empty()) {
     context.enter("write", 1);

@@ -59,7 +59,8 @@ TEST(CheckParameters, fills_in_the_defaults_in_the_schema_s_order) {
   const auto parameters = check_parameters(front(), Json::object());
   ASSERT_TRUE(parameters);
   EXPECT_EQ(parameters->dump(),
-            R"({"radius_ratio_bound":5,"beta":0.52,"fill_holes":"none","up":"y","quantization":"none","unit":"mm"})");
+            R"({"radius_ratio_bound":5,"beta":0.52,"fill_holes":"none","up":"y","quantization":"none","unit":"mm",)"
+            R"("outliers":"none","sample":"none","sample_cell":"auto","drop_parts":0})");
 }
 
 TEST(CheckParameters, names_the_parameter_the_value_and_what_is_allowed) {
@@ -195,6 +196,33 @@ TEST_F(Files, stages_cover_the_wall_time_and_start_with_read) {
   EXPECT_NEAR(sum, report->at("resources").at("wall_seconds").get<double>(), 1e-9);
   EXPECT_EQ(report->at("stages").front().at("name"), "read");
   EXPECT_EQ(report->at("stages").back().at("name"), "write");
+}
+
+TEST_F(Files, preparing_stages_count_their_points_and_stand_among_the_stages) {
+  std::vector<Point3> points = testing::sphere_points(3000);
+  points.push_back({3, 0, 0});
+  points.push_back({0, 0, -4});
+  const auto report = reconstruct(write_cloud("s.ply", points), "s.glb",
+                                  Json{{"outliers", 3}, {"sample", "grid"}, {"sample_cell", 0.1}});
+  ASSERT_TRUE(report) << report.error().detail;
+  const Json& stages = report->at("preparing");
+  ASSERT_EQ(stages.size(), 2U);
+  EXPECT_EQ(stages[0].at("points_in"), 3002);
+  EXPECT_EQ(stages[0].at("points_out"), 3000);
+  EXPECT_LT(stages[1].at("points_out"), 2500);
+  EXPECT_EQ(report->at("cloud").at("points"), 3002);
+  EXPECT_EQ(report->at("stages")[1].at("name"), "outliers");
+  double sum = 0;
+  for (const Json& stage : report->at("stages")) sum += stage.at("seconds").get<double>();
+  EXPECT_NEAR(sum, report->at("resources").at("wall_seconds").get<double>(), 1e-9);
+}
+
+TEST_F(Files, small_parts_are_dropped_where_asked_for) {
+  std::vector<Point3> points = testing::sphere_points(800);
+  for (const Point3& p : testing::sphere_points(60, {5, 0, 0}, 0.3)) points.push_back(p);
+  const auto cloud = write_cloud("two.ply", points);
+  EXPECT_EQ(reconstruct(cloud, "two.glb")->at("mesh").at("components"), 2);
+  EXPECT_EQ(reconstruct(cloud, "one.glb", Json{{"drop_parts", 0.5}})->at("mesh").at("components"), 1);
 }
 
 TEST_F(Files, the_printing_section_says_unit_and_extent) {

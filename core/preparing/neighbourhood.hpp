@@ -1,0 +1,16 @@
+// Private to the room: nearest neighbours of any place, by nanoflann.
+#pragma once
+
+#include <vector>
+
+#include "preparing/preparing.hpp"
+
+namespace surfaced::preparing {
+
+/// Mean distance of every point to its k nearest others.
+std::vector<double> mean_distances(const std::vector<Point3>& positions, std::size_t k, unsigned threads);
+
+/// Median by rank; 0 for none.
+double median_of(std::vector<double> values);
+
+}  // namespace surfaced::preparing

@@ -1,0 +1,55 @@
+// Down-sampling to one point a cell of a grid. Not by CGAL 5.5.1, whose simplifications keep a reference to a callback
+// that has ended (docs/DECISIONS.md).
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "preparing/stage.hpp"
+
+namespace surfaced {
+namespace {
+
+/// A point in its cell; the nearest to the cell's centre comes first, then the one of lesser index.
+struct Candidate {
+  std::array<double, 3> cell;
+  double squared_distance = 0;
+  std::size_t point = 0;
+
+  friend auto operator<=>(const Candidate&, const Candidate&) = default;
+};
+
+Candidate candidate_of(const Point3& p, const Point3& low, double size, std::size_t point) {
+  Candidate candidate{.cell = {}, .point = point};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double place = (p[axis] - low[axis]) / size;
+    candidate.cell.at(axis) = std::floor(place);
+    const double off = place - candidate.cell.at(axis) - 0.5;
+    candidate.squared_distance += off * off;
+  }
+  return candidate;
+}
+
+}  // namespace
+
+Result<PointCloud> sampled(const PointCloud& cloud, std::optional<double> cell, Context& context) {
+  constexpr double kSpacings = 2;
+  return preparing::guarded<PointCloud>("sampling", context, [&]() -> Result<PointCloud> {
+    const double size = cell ? *cell : kSpacings * spacing_of(cloud.positions, context.threads());
+    if (!(size > 0)) return cloud;
+    const Point3 low = bounds_of(cloud.positions).low;
+    std::vector<Candidate> candidates;
+    candidates.reserve(cloud.size());
+    for (std::size_t v = 0; v < cloud.size(); ++v) {
+      candidates.push_back(candidate_of(cloud.positions[v], low, size, v));
+    }
+    std::ranges::sort(candidates, [](const Candidate& a, const Candidate& b) { return a < b; });
+    std::vector<std::size_t> kept;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (i == 0 || candidates[i].cell != candidates[i - 1].cell) kept.push_back(candidates[i].point);
+    }
+    std::ranges::sort(kept);
+    return preparing::chosen(cloud, kept, context.threads());
+  });
+}
+
+}  // namespace surfaced

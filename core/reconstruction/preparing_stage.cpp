@@ -1,0 +1,98 @@
+#include "reconstruction/preparing_stage.hpp"
+
+#include <algorithm>
+
+#include "preparing/preparing.hpp"
+
+namespace surfaced {
+namespace {
+
+/// Shares of the progress of the preparing section.
+constexpr double kOutliersUntil = 0.5;
+constexpr double kSampleUntil = 1;
+
+Json word_or_number(const char* word, double minimum, const char* title, const char* text, const char* unit) {
+  return {{"oneOf",
+           {Json{{"const", word}}, Json{{"type", "number"}, {minimum > 0 ? "minimum" : "exclusiveMinimum", minimum}}}},
+          {"default", word},
+          {"title", title},
+          {"description", text},
+          {"x-unit", unit}};
+}
+
+/// Takes the place of the cloud and notes what it did.
+Status step(Prepared& prepared, const char* name, Result<PointCloud> cloud) {
+  if (!cloud) return std::move(cloud).error();
+  prepared.stages.push_back({{"name", name}, {"points_in", prepared.cloud.size()}, {"points_out", cloud->size()}});
+  if (cloud->size() == 0) {
+    return Error{ErrorCode::method_failed, std::string("the stage ") + name + " left none of " +
+                                               std::to_string(prepared.cloud.size()) + " points"};
+  }
+  prepared.cloud = std::move(*cloud);
+  return Done{};
+}
+
+Status run_sampling(Prepared& prepared, const Json& parameters, Context& context) {
+  const Json& cell = parameters.at("sample_cell");
+  context.enter("sample", kSampleUntil);
+  return step(prepared, "sample",
+              sampled(prepared.cloud, cell.is_number() ? std::optional(cell.get<double>()) : std::nullopt, context));
+}
+
+}  // namespace
+
+Json preparing_properties() {
+  return Json{
+      {"outliers",
+       word_or_number("none", 1, "Outliers to remove",
+                      "Removes points whose mean distance to their 12 nearest exceeds this many times the median of "
+                      "it; 2 to 4 is usual.",
+                      "1")},
+      {"sample",
+       {{"enum", {"none", "grid"}},
+        {"default", "none"},
+        {"title", "Down-sampling"},
+        {"description", "grid keeps one point a cell, the nearest to its centre."}}},
+      {"sample_cell",
+       word_or_number("auto", 0, "Size of a cell", "Side of the cells of sample=grid; auto is 2 spacings.", "input")},
+      {"drop_parts",
+       {{"type", "number"},
+        {"minimum", 0},
+        {"maximum", 1},
+        {"default", 0},
+        {"title", "Parts of the mesh to drop"},
+        {"description", "Drops parts that have fewer than this fraction of the triangles of the largest part."},
+        {"x-unit", "1"}}}};
+}
+
+Result<Prepared> prepare(PointCloud cloud, const Json& parameters, Context& context) {
+  Prepared prepared{.cloud = std::move(cloud)};
+  Status status = Done{};
+  if (const Json& factor = parameters.at("outliers"); factor.is_number()) {
+    context.enter("outliers", kOutliersUntil);
+    status = step(prepared, "outliers", without_outliers(prepared.cloud, factor.get<double>(), context));
+  }
+  if (status && parameters.at("sample") != "none") status = run_sampling(prepared, parameters, context);
+  if (!status) return std::move(status).error();
+  return prepared;
+}
+
+void drop_small_parts(Reconstruction& result, double fraction) {
+  const Components parts = components_of(result.mesh);
+  std::vector<std::size_t> sizes(parts.count, 0);
+  for (const std::uint32_t part : parts.of_triangle) ++sizes[part];
+  const double limit = fraction * static_cast<double>(sizes.empty() ? 0 : *std::ranges::max_element(sizes));
+  const auto small = [&](std::size_t part) { return static_cast<double>(sizes[part]) < limit; };
+  std::vector<Triangle> kept;
+  for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t) {
+    if (!small(parts.of_triangle[t])) kept.push_back(result.mesh.triangles[t]);
+  }
+  if (kept.size() == result.mesh.triangles.size()) return;
+  std::size_t dropped = 0;
+  for (std::size_t part = 0; part < parts.count; ++part) dropped += small(part) ? 1U : 0U;
+  result.warnings.push_back(std::to_string(dropped) + " parts of " +
+                            std::to_string(result.mesh.triangles.size() - kept.size()) + " triangles dropped");
+  result.mesh.triangles = std::move(kept);
+}
+
+}  // namespace surfaced
