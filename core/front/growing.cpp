@@ -14,11 +14,20 @@ constexpr std::size_t kFewestPoints = 3;
 constexpr std::size_t kSmallHole = 30;
 /// Largest set of connected rim vertices that repair takes on.
 constexpr std::size_t kSmallDamage = 60;
+/// So few points are a whole body more often than a piece of a surface: normals taken across them mean little.
+constexpr std::size_t kHandful = 12;
+/// Least cosine between faces at the holes closed: 120 degrees; 154 for the corners of a handful.
+constexpr double kClosingCosine = -0.5;
+constexpr double kHandfulCosine = -0.9;
+
+/// Which way normals are taken.
+enum class Normals : std::uint8_t { across_neighbours, away_from_centre };
 
 class Run {
  public:
-  Run(const PointCloud& cloud, const GrowthParameters& parameters, Context& context)
-      : cloud_(cloud), parameters_(parameters), context_(context) {}
+  Run(const PointCloud& cloud, const GrowthParameters& parameters, Context& context,
+      Normals normals = Normals::across_neighbours)
+      : cloud_(cloud), parameters_(parameters), context_(context), normals_(normals) {}
 
   Result<Surface> operator()() {
     if (Status made = triangulate(); !made) return std::move(made).error();
@@ -50,7 +59,8 @@ class Run {
     if (Status begun = begin("consensus", 0.8); !begun) return begun;
     FaceMasks faces = agreed_faces(*stars, context_.threads());
     result_.statistics.one_sided_faces = orient(*stars, faces);
-    if (!parameters_.begin_with_consensus) std::ranges::fill(faces, 0U);
+    if (normals_ == Normals::away_from_centre) turn_away(tree, *stars);
+    if (!parameters_.begin_with_consensus || normals_ == Normals::away_from_centre) std::ranges::fill(faces, 0U);
     Fans fans(*stars, std::move(faces));
     result_.statistics.agreed_faces = fans.faces();
     Places places(tree, *stars, parameters_.sewing);
@@ -65,6 +75,21 @@ class Run {
     note_rim(fans);
     result_.mesh.triangles = fans.triangles();
     return Done{};
+  }
+
+  static void turn_away(const BoxTree& tree, LocalStars& stars) {
+    Point3 centre{};
+    for (std::size_t v = 0; v < tree.points(); ++v) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        centre[axis] += tree.local(v)[axis] / static_cast<double>(tree.points());
+      }
+    }
+    for (std::size_t v = 0; v < tree.points(); ++v) {
+      const Point3 out = tree.local(v) - centre;
+      const double length = norm(out);
+      if (!(length > 0)) continue;
+      for (std::size_t axis = 0; axis < 3; ++axis) stars.normals[v][axis] = static_cast<float>(out[axis] / length);
+    }
   }
 
   void drop_forbidden_faces(Fans& fans, Places& places) const {
@@ -117,8 +142,8 @@ class Run {
     Statistics& s = result_.statistics;
     if (parameters_.fill_small_holes) {
       if (Status begun = begin("holes", 0.95); !begun) return begun;
-      constexpr double kLeastCosine = -0.5;
-      s.holes_closed = close_holes(fans, places, fans.unsettled(), {kSmallHole, kLeastCosine});
+      const double least_cosine = fans.points() <= kHandful ? kHandfulCosine : kClosingCosine;
+      s.holes_closed = close_holes(fans, places, fans.unsettled(), {kSmallHole, least_cosine});
       const Result<std::size_t> repaired = repair_holes(fans, places, kSmallDamage, context_);
       if (!repaired) return repaired.error();
       s.holes_repaired = *repaired;
@@ -142,9 +167,30 @@ class Run {
   const PointCloud& cloud_;
   const GrowthParameters& parameters_;
   Context& context_;
+  Normals normals_;
   Surface result_;
   std::vector<VertexIndex> rim_;
 };
+
+std::size_t used_points(const Surface& surface) {
+  std::vector<bool> used(surface.mesh.positions.size(), false);
+  for (const Triangle& t : surface.mesh.triangles) {
+    for (const VertexIndex v : t) used[v] = true;
+  }
+  return static_cast<std::size_t>(std::ranges::count(used, true));
+}
+
+/// A handful of points once more with normals that point away from their centre, if that gives a closed surface
+/// through all of them and the usual way did not.
+Result<Surface> grow_handful(const PointCloud& cloud, const GrowthParameters& parameters, Context& context) {
+  Result<Surface> usual = Run(cloud, parameters, context)();
+  const auto complete = [&](const Result<Surface>& s) {
+    return s && s->statistics.open_edges == 0 && used_points(*s) == cloud.size();
+  };
+  if (!usual || complete(usual)) return usual;
+  Result<Surface> other = Run(cloud, parameters, context, Normals::away_from_centre)();
+  return complete(other) ? std::move(other) : std::move(usual);
+}
 
 }  // namespace
 
@@ -157,6 +203,7 @@ Result<Surface> grow_surface(const PointCloud& cloud, const GrowthParameters& pa
   }
   if (all_on_a_line(cloud.positions)) return Error{ErrorCode::collinear, "all " + points + " lie on one line"};
   try {
+    if (cloud.size() <= kHandful) return grow_handful(cloud, parameters, context);
     return Run(cloud, parameters, context)();
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::out_of_memory, "no memory left for " + points};

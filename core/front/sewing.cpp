@@ -97,11 +97,14 @@ Result<std::size_t> Front::advance(const Pass& pass, std::span<const std::uint32
     }
   }
   std::size_t added = 0;
+  // The last entry refused, while nothing has changed: an edge is queued once for every face that touched it.
+  Entry refused{std::numeric_limits<double>::quiet_NaN(), {}, kNoVertex};
   for (std::size_t steps = 1; !queue_.empty(); ++steps) {
     if (steps % kStepsBetweenChecks == 0 && context.cancelled())
       return Error{ErrorCode::cancelled, "cancelled while the front advanced"};
     const Entry top = queue_.top();
     queue_.pop();
+    if (refused.key == top.key && refused.edge == top.edge) continue;
     const std::optional<Entry> now = candidate(top.edge);
     if (!now) continue;
     if (now->apex != top.apex || now->key != top.key) {
@@ -109,7 +112,11 @@ Result<std::size_t> Front::advance(const Pass& pass, std::span<const std::uint32
       continue;
     }
     const Face face{top.edge.from, top.edge.to, top.apex};
-    if (!fits(top, pass) || !legal(fans_, places_, face, pass.least_cosine)) continue;
+    if (!fits(top, pass) || !legal(fans_, places_, face, pass.least_cosine)) {
+      refused = top;
+      continue;
+    }
+    refused.key = std::numeric_limits<double>::quiet_NaN();
     fans_.add(face);
     ++added;
     for (const std::uint32_t v : face) {

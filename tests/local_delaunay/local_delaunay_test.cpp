@@ -103,11 +103,30 @@ TEST(LocalDelaunay, refuses_too_few_points_and_points_on_a_line_with_typed_error
   if (result) expect_manifold(*result, "line and a point");
 }
 
-TEST(LocalDelaunay, an_octahedron_whose_normals_mean_nothing_still_gives_a_manifold) {
-  const auto result = reconstruct({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}});
-  ASSERT_TRUE(result);
-  expect_manifold(*result, "octahedron");
-  EXPECT_FALSE(result->mesh.triangles.empty());
+TEST(LocalDelaunay, the_corners_of_small_bodies_give_their_closed_surface) {
+  const double phi = (1 + std::sqrt(5.0)) / 2;
+  std::vector<Point3> icosahedron;
+  for (const double a : {-1.0, 1.0}) {
+    for (const double b : {-phi, phi}) icosahedron.insert(icosahedron.end(), {{0, a, b}, {a, b, 0}, {b, 0, a}});
+  }
+  std::vector<Point3> prism;
+  for (const double z : {0.0, 1.0}) prism.insert(prism.end(), {{0, 0, z}, {1, 0, z}, {0.5, 0.8, z}});
+  const std::vector<std::vector<Point3>> bodies{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                                {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}},
+                                                {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+                                                {{1, 0, 0}, {-0.5, 0.9, 0}, {-0.5, -0.9, 0}, {0, 0, 1}, {0, 0, -1}},
+                                                prism,
+                                                icosahedron};
+  for (const std::vector<Point3>& body : bodies) {
+    const auto result = reconstruct(body);
+    ASSERT_TRUE(result);
+    expect_manifold(*result, std::to_string(body.size()) + " corners");
+    const Topology topology = topology_of(result->mesh);
+    EXPECT_TRUE(topology.closed) << body.size();
+    EXPECT_EQ(topology.vertices, body.size());
+    EXPECT_EQ(topology.genus, 0) << body.size();
+    EXPECT_GT(signed_volume(result->mesh), 0) << body.size();
+  }
 }
 
 TEST(LocalDelaunay, is_manifold_on_every_nasty_cloud_with_every_variant) {

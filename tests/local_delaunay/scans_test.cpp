@@ -33,6 +33,21 @@ TEST_P(LocalDelaunayOnScans, closes_with_the_right_genus_and_uses_nearly_all_poi
   }
 }
 
+TEST_P(LocalDelaunayOnScans, stays_closed_with_max_edge_3_but_for_the_openings_of_bunny) {
+  const auto cloud = testing::scan(GetParam().name);
+  if (!cloud) GTEST_SKIP() << GetParam().name << " is absent";
+  Context context;
+  const auto result = local_delaunay(*cloud, {.max_edge = 3}, context);
+  ASSERT_TRUE(result);
+  const Topology topology = topology_of(result->mesh);
+  const bool has_openings = std::string(GetParam().name) == "bunny";
+  EXPECT_EQ(topology.closed, !has_openings);
+  EXPECT_EQ(topology.boundary_loops, has_openings ? 3U : 0U);
+  EXPECT_TRUE(topology.vertex_manifold && topology.oriented);  // so every rim passes a vertex once
+  EXPECT_EQ(topology.genus, GetParam().genus);
+  EXPECT_EQ(topology.components, 1U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Scans, LocalDelaunayOnScans,
                          ::testing::Values(Scan{"fertility", 4}, Scan{"igea", 0}, Scan{"anchor", 4},
                                            Scan{"max_planck", 0}, Scan{"elephant", 0}, Scan{"bunny", 0},
