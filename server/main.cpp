@@ -16,6 +16,7 @@ int dispatch(int argc, char** argv) {
   surfaced::add_measure(app, run);
   surfaced::add_methods(app, run);
   surfaced::add_serve(app, run);
+  surfaced::add_check_config(app, run);
   surfaced::add_attempt(app, run);
   try {
     app.parse(argc, argv);

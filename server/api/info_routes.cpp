@@ -41,12 +41,19 @@ Response contract(const Request& /*request*/) {
 
 }  // namespace
 
-void add_info_routes(http::Router& router, JobService& service) {
+void add_info_routes(http::Router& router, JobService& service, const RouteOptions& options) {
   router.add("GET", "/", index);
   router.add("GET", "/openapi.json", contract);
   router.add("GET", "/v1/methods", [](Request&) { return json_response(200, {{"methods", methods_json()}}); });
   router.add("GET", "/v1/methods/{id}", get_method);
   router.add("GET", "/healthz", [](Request&) { return json_response(200, probe()); });
+  router.add("GET", "/metrics", [metrics = options.metrics](Request&) {
+    Response response;
+    response.content_type = "text/plain; version=0.0.4; charset=utf-8";
+    response.headers.add("Cache-Control", "no-store");
+    response.body = metrics();
+    return response;
+  });
   router.add("GET", "/readyz", [&service](Request& request) {
     const Status ready = service.ready();
     if (ready) return json_response(200, probe());
@@ -57,7 +64,7 @@ void add_info_routes(http::Router& router, JobService& service) {
 void add_routes(http::Router& router, JobService& service, const RouteOptions& options) {
   add_job_routes(router, service, options);
   add_output_routes(router, service);
-  add_info_routes(router, service);
+  add_info_routes(router, service, options);
 }
 
 }  // namespace surfaced::api

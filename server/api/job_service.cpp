@@ -13,8 +13,9 @@ Result<Job> JobService::submit(const Submission& submission, http::BodySource& b
     return Error{ErrorCode::length_required, "the request has neither Content-Length nor Transfer-Encoding"};
   }
   if (body.length() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
+  if (draining_) return Error{ErrorCode::not_ready, "the server is stopping"};
   if (Status room = jobs_.check_room(); !room.ok()) return room.error();
-  if (Status space = artifacts_.check_space(); !space.ok()) return space.error();
+  if (Status space = artifacts_.check_space(body.length().value_or(0)); !space.ok()) return space.error();
   const std::string id = random_hex<16>();
   const auto input = store_body(body, id);
   if (!input) return input.error();
@@ -84,7 +85,8 @@ Result<http::BodyStream> JobService::open_output(const Job& job, const Output& o
 }
 
 Status JobService::ready() {
-  if (Status space = artifacts_.check_space(); !space.ok()) return space;
+  if (draining_) return Error{ErrorCode::not_ready, "the server is stopping"};
+  if (Status space = artifacts_.check_space(0); !space.ok()) return space;
   return jobs_.writable();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
@@ -51,7 +52,11 @@ class JobService {
   /// The output as a body to send; job_gone if it was removed meanwhile.
   Result<http::BodyStream> open_output(const Job& job, const Output& output);
 
+  /// not_ready unless jobs are taken: the store can be written, there is space, and the server is not stopping.
   Status ready();
+
+  /// Takes no more jobs; everything else goes on.
+  void drain() { draining_ = true; }
 
  private:
   Result<StoredInput> store_body(http::BodySource& body, std::string_view key);
@@ -60,6 +65,7 @@ class JobService {
   ArtifactStore& artifacts_;
   JobEvents& events_;
   Scheduler& scheduler_;
+  std::atomic<bool> draining_ = false;
 };
 
 }  // namespace surfaced::api

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
+#include <string>
 
 #include "api/job_service.hpp"
 #include "http/router.hpp"
@@ -12,6 +14,8 @@ struct RouteOptions {
   std::chrono::milliseconds reconstruct_wait{30'000};
   /// Time to live of a job that asks for none.
   std::chrono::seconds ttl{};
+  /// Text of /metrics.
+  std::function<std::string()> metrics;
 };
 
 /// Every path of the service, as proto/openapi.yaml lists them.
@@ -19,6 +23,6 @@ void add_routes(http::Router& router, JobService& service, const RouteOptions& o
 
 void add_job_routes(http::Router& router, JobService& service, const RouteOptions& options);
 void add_output_routes(http::Router& router, JobService& service);
-void add_info_routes(http::Router& router, JobService& service);
+void add_info_routes(http::Router& router, JobService& service, const RouteOptions& options);
 
 }  // namespace surfaced::api

@@ -76,8 +76,18 @@ class ArtifactStore {
   /// and attempts begin. Returns how many files and directories it removed.
   virtual Result<std::size_t> sweep(const Artifacts& kept) = 0;
 
-  /// storage_full when less space is left than a server needs to go on.
-  virtual Status check_space() = 0;
+  /// What is there now: keys of inputs and claims of published outputs, for a sweep while the store is in use.
+  virtual Result<Artifacts> listing() = 0;
+
+  /// Ties the store to a job store for good, so that a sweep never meets the files of another one.
+  /// @return  invalid_usage if it belongs to another
+  virtual Status belong_to(std::string_view identity) = 0;
+
+  /// storage_full if less space would be left than a server needs to go on, were this many bytes stored.
+  virtual Status check_space(std::uint64_t needed) = 0;
+
+  /// Bytes that may still be written, those included that are to stay free.
+  virtual std::uint64_t free_bytes() = 0;
 };
 
 }  // namespace surfaced

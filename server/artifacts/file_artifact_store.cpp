@@ -5,6 +5,9 @@
 #include <sys/statvfs.h>
 
 #include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <functional>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -20,15 +23,27 @@ namespace fs = std::filesystem;
 
 std::string directory_of(const Claim& claim) { return claim.job + "-" + std::to_string(claim.attempt); }
 
+/// Bytes of an upload between two looks at the space that is left.
+constexpr std::uint64_t kBytesBetweenLooks = std::uint64_t{8} << 20;
+
+using SpaceCheck = std::function<Status()>;
+
 class FileUpload final : public Upload {
  public:
-  FileUpload(UniqueFd fd, fs::path temporary, fs::path inputs)
-      : fd_(std::move(fd)), temporary_(std::move(temporary)), inputs_(std::move(inputs)) {}
+  FileUpload(UniqueFd fd, fs::path temporary, fs::path inputs, SpaceCheck check_space)
+      : fd_(std::move(fd)),
+        temporary_(std::move(temporary)),
+        inputs_(std::move(inputs)),
+        check_space_(std::move(check_space)) {}
   ~FileUpload() override {
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
   }
 
   Status write(std::span<const std::byte> bytes) override {
+    if (bytes_ + bytes.size() >= next_look_) {
+      if (Status space = check_space_(); !space.ok()) return space;
+      next_look_ = bytes_ + bytes.size() + kBytesBetweenLooks;
+    }
     sha_.update(bytes);
     bytes_ += bytes.size();
     return write_all(fd_.get(), bytes, "store the upload");
@@ -51,8 +66,10 @@ class FileUpload final : public Upload {
   // Removed with this object; empty once the upload is committed.
   fs::path temporary_;
   fs::path inputs_;
+  SpaceCheck check_space_;
   Sha256 sha_;
   std::uint64_t bytes_ = 0;
+  std::uint64_t next_look_ = kBytesBetweenLooks;
 };
 
 class FileReader final : public OutputReader {
@@ -95,7 +112,8 @@ Result<std::optional<Output>> seal(const fs::path& path, std::uint32_t attempt) 
 class FileArtifactStore final : public ArtifactStore {
  public:
   FileArtifactStore(const fs::path& directory, std::uint64_t minimum_free)
-      : uploads_(directory / "uploads"),
+      : identity_(directory / "store"),
+        uploads_(directory / "uploads"),
         inputs_(directory / "inputs"),
         attempts_(directory / "attempts"),
         outputs_(directory / "outputs"),
@@ -112,7 +130,8 @@ class FileArtifactStore final : public ArtifactStore {
     fs::path temporary = uploads_ / random_hex<16>();
     UniqueFd fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
     if (!fd) return system_error("begin an upload", errno);
-    return std::unique_ptr<Upload>(std::make_unique<FileUpload>(std::move(fd), std::move(temporary), inputs_));
+    return std::unique_ptr<Upload>(
+        std::make_unique<FileUpload>(std::move(fd), std::move(temporary), inputs_, [this] { return check_space(0); }));
   }
 
   Result<fs::path> input_file(std::string_view key) override { return inputs_ / key; }
@@ -185,13 +204,45 @@ class FileArtifactStore final : public ArtifactStore {
     return removed;
   }
 
-  Status check_space() override {
-    struct statvfs disk {};
-    if (::statvfs(uploads_.c_str(), &disk) != 0) return system_error("ask for the free space", errno);
-    const std::uint64_t free = std::uint64_t{disk.f_bavail} * disk.f_frsize;
-    if (free >= minimum_free_) return Done{};
-    return Error{ErrorCode::storage_full, std::to_string(free) + " bytes are free under --data, at least " +
+  Result<Artifacts> listing() override {
+    Artifacts found;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(inputs_, error)) found.inputs.push_back(entry.path().filename());
+    if (error) return system_error("list the inputs", error.value());
+    for (const auto& entry : fs::directory_iterator(outputs_, error)) {
+      if (auto claim = claim_of(entry.path().filename())) found.outputs.push_back(std::move(*claim));
+    }
+    if (error) return system_error("list the outputs", error.value());
+    return found;
+  }
+
+  Status belong_to(std::string_view identity) override {
+    std::error_code error;
+    if (!fs::exists(identity_, error)) {
+      if (Status written = write_file_durably(identity_, identity); !written.ok()) return written;
+      return Done{};
+    }
+    std::ifstream file(identity_);
+    std::string known;
+    if (std::getline(file, known) && known == identity) return Done{};
+    return Error{ErrorCode::invalid_usage, "the files under --data belong to the job store '" + known +
+                                               "', but jobs.sqlite is '" + std::string(identity) +
+                                               "'; put the right jobs.sqlite there, or remove the file 'store' to give "
+                                               "up all files that no job of this one refers to"};
+  }
+
+  Status check_space(std::uint64_t needed) override {
+    const std::uint64_t free = free_bytes();
+    if (free >= minimum_free_ && free - minimum_free_ >= needed) return Done{};
+    return Error{ErrorCode::storage_full, std::to_string(free) + " bytes are free under --data, " +
+                                              std::to_string(needed) + " are needed, and " +
                                               std::to_string(minimum_free_) + " are to stay free"};
+  }
+
+  std::uint64_t free_bytes() override {
+    struct statvfs disk {};
+    // A disk that cannot be asked is as good as full.
+    return ::statvfs(uploads_.c_str(), &disk) == 0 ? std::uint64_t{disk.f_bavail} * disk.f_frsize : 0;
   }
 
  private:
@@ -211,6 +262,18 @@ class FileArtifactStore final : public ArtifactStore {
     return Done{};
   }
 
+  /// Reads what directory_of wrote.
+  static std::optional<Claim> claim_of(const std::string& name) {
+    const std::size_t dash = name.rfind('-');
+    Claim claim;
+    if (dash == name.npos) return std::nullopt;
+    claim.job = name.substr(0, dash);
+    const auto [end, failed] = std::from_chars(name.data() + dash + 1, name.data() + name.size(), claim.attempt);
+    if (failed != std::errc() || end != name.data() + name.size()) return std::nullopt;
+    return claim;
+  }
+
+  const fs::path identity_;
   const fs::path uploads_;
   const fs::path inputs_;
   const fs::path attempts_;

@@ -4,6 +4,7 @@
 //   DIR/inputs/KEY              a cloud that a job refers to
 //   DIR/attempts/JOB-N/         what the child of attempt N writes
 //   DIR/outputs/JOB-N/          what attempt N left, once it was published
+//   DIR/store                   identity of the job store that they belong to
 //
 // What a crash (kill -9, power) at any moment leaves, and what becomes of it:
 //

@@ -14,6 +14,7 @@ void add_reconstruct(CLI::App& app, Run& run);
 void add_measure(CLI::App& app, Run& run);
 void add_methods(CLI::App& app, Run& run);
 void add_serve(CLI::App& app, Run& run);
+void add_check_config(CLI::App& app, Run& run);
 /// Hidden: what the server starts for every attempt at a job.
 void add_attempt(CLI::App& app, Run& run);
 

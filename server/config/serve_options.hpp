@@ -2,12 +2,15 @@
 
 #include <CLI/CLI.hpp>
 
-#include "config/settings.hpp"
+#include "config/configuration.hpp"
 
 namespace surfaced {
 
-/// Gives the command a flag and an environment variable (SURFACED_...) for every setting, with its unit,
-/// its default and what is allowed.
-void add_serve_options(CLI::App& command, Settings& settings);
+/// Gives the command a flag for every setting, with its unit, its default, what is allowed and its variable, and
+/// --config FILE. What is given is put into `sources` when the line is parsed.
+void add_setting_flags(CLI::App& command, Sources& sources);
+
+/// The variables of this process; SURFACED_CONFIG names the file if no flag does.
+void use_environment(Sources& sources);
 
 }  // namespace surfaced

@@ -1,11 +1,11 @@
 #include "http/router.hpp"
 
 #include <exception>
-#include <iostream>
 #include <new>
 
 #include "http/problem.hpp"
 #include "http/request_head.hpp"
+#include "observability/log.hpp"
 
 namespace surfaced::http {
 namespace {
@@ -42,7 +42,7 @@ Response Router::handle(Request& request) const {
   } catch (const std::bad_alloc&) {
     return problem_response({ErrorCode::not_ready, "the server is short of memory"}, request);
   } catch (const std::exception& failure) {
-    std::cerr << "request " << request.request_id << ": " << failure.what() << std::endl;
+    log(LogLevel::error, "a handler failed", {{"request_id", request.request_id}, {"detail", failure.what()}});
     return problem_response({ErrorCode::internal_error, "the request could not be answered"}, request);
   }
 }

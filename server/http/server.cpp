@@ -8,8 +8,8 @@
 #include <cerrno>
 #include <charconv>
 #include <exception>
-#include <iostream>
 
+#include "observability/log.hpp"
 #include "platform/files.hpp"
 
 namespace surfaced::http {
@@ -127,7 +127,7 @@ void Server::pool_loop() {
       work_on(std::move(session));
     } catch (const std::exception& failure) {
       // Memory ran out outside of a handler: this connection ends, the others go on.
-      std::cerr << "connection: " << failure.what() << std::endl;
+      log(LogLevel::error, "a connection failed", {{"detail", failure.what()}});
     }
     const std::scoped_lock lock(mutex_);
     busy_.erase(id);

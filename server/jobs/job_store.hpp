@@ -111,7 +111,8 @@ class JobStore {
   /// there is nothing left to do.
   virtual Result<Artifacts> expire() = 0;
 
-  /// Everything that is to be kept in the artifact store.
+  /// Everything that is to be kept in the artifact store, outputs of running attempts included: they may be
+  /// published and about to be settled.
   virtual Result<Artifacts> kept() = 0;
 
   virtual Result<Census> census() = 0;

@@ -25,7 +25,7 @@ std::string points_of(const Job& job) {
 
 Scheduler::Scheduler(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, const AttemptRunner& runner,
                      Options options)
-    : jobs_(jobs), artifacts_(artifacts), events_(events), runner_(runner), options_(options) {}
+    : jobs_(jobs), artifacts_(artifacts), events_(events), runner_(runner), options_(std::move(options)) {}
 
 Scheduler::~Scheduler() { drain(std::chrono::milliseconds(0)); }
 
@@ -97,14 +97,17 @@ void Scheduler::work() {
       if (stopping_) return;
       seen = submissions_;
     }
-    const auto claimed = jobs_.claim();
+    // An attempt without space would only be lost, and losses are counted.
+    const bool space = artifacts_.check_space(0).ok();
+    const auto claimed = space ? jobs_.claim() : Result<std::optional<ClaimedJob>>(std::optional<ClaimedJob>());
     if (claimed && claimed->has_value()) {
       run_claimed(**claimed);
       continue;
     }
     std::unique_lock lock(mutex_);
-    const auto patience = claimed ? kPatience : kPauseAfterFailure;
-    wake_.wait_for(lock, patience, [&] { return stopping_ || (claimed && submissions_ != seen); });
+    const bool nothing_to_do = space && claimed;
+    const auto patience = nothing_to_do ? kPatience : kPauseAfterFailure;
+    wake_.wait_for(lock, patience, [&] { return stopping_ || (nothing_to_do && submissions_ != seen); });
   }
 }
 
@@ -119,7 +122,11 @@ void Scheduler::run_claimed(const ClaimedJob& claimed) {
   // The job may have been dismissed between its claim and its entry above; nobody would stop it then.
   const auto now = jobs_.find(claimed.job.id);
   if (!now || now->status != JobStatus::running) stop->stop(Outcome::cancelled);
-  settle(claimed, attempt_safely(claimed, *stop));
+  StageClock stages;
+  const AttemptResult result = attempt_safely(claimed, *stop, stages);
+  stages.close();
+  if (options_.ended) options_.ended({claimed, result, stages.stages()});
+  settle(claimed, result);
   events_.changed(claimed.job.id);
   const std::scoped_lock lock(mutex_);
   std::erase_if(running_, [&](const Running& each) { return each.stop == stop; });
@@ -127,15 +134,15 @@ void Scheduler::run_claimed(const ClaimedJob& claimed) {
   if (stopping_) wake_.notify_all();
 }
 
-AttemptResult Scheduler::attempt_safely(const ClaimedJob& claimed, const StopSignal& stop) {
+AttemptResult Scheduler::attempt_safely(const ClaimedJob& claimed, const StopSignal& stop, StageClock& stages) {
   try {
-    return attempt(claimed, stop);
+    return attempt(claimed, stop, stages);
   } catch (const std::exception& failure) {
     return {Outcome::lost, Error{ErrorCode::internal_error, failure.what()}};
   }
 }
 
-AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& stop) {
+AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& stop, StageClock& stages) {
   if (const auto why = stop.why()) return {*why, Error{ErrorCode::cancelled, "the work was stopped"}};
   const Claim claim = claimed.claim();
   const auto directory = artifacts_.begin_attempt(claim);
@@ -151,8 +158,10 @@ AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& st
   const AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters, *cloud,
                          *directory, claimed.job.wanted.front(), points_of(claimed.job), options_.limits,
                          ::getpid(), claimed.job.traceparent};
-  AttemptResult result = runner_.run(
-      spec, stop, *log, [&](double progress, std::string_view phase) { jobs_.report(claim, progress, phase); });
+  AttemptResult result = runner_.run(spec, stop, *log, [&](double progress, std::string_view phase) {
+    stages.enter(phase);
+    jobs_.report(claim, progress, phase);
+  });
   log->close();
   log->line("outcome " + std::string(name_of(result.outcome)) + (result.error ? ": " + result.error->detail : ""));
   return result;

@@ -2,16 +2,19 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "artifacts/artifact_store.hpp"
 #include "jobs/job_events.hpp"
 #include "jobs/job_store.hpp"
+#include "jobs/stage_clock.hpp"
 #include "worker/attempt_runner.hpp"
 
 namespace surfaced {
@@ -25,11 +28,21 @@ namespace surfaced {
 /// again; if the server ends first, the next start recovers the job.
 class Scheduler {
  public:
+  /// What is told of every attempt that ends here.
+  struct Ended {
+    const ClaimedJob& job;
+    const AttemptResult& result;
+    /// Stages as the child named them, with the seconds between one name and the next.
+    const std::vector<std::pair<std::string, double>>& stages;
+  };
+
   struct Options {
     unsigned workers = 1;
     AttemptLimits limits;
     /// Between two renewals of the leases of running attempts; a third of the lease is right.
     std::chrono::milliseconds heartbeat{10'000};
+    /// Called on a worker's thread; must not throw.
+    std::function<void(const Ended&)> ended;
   };
 
   Scheduler(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, const AttemptRunner& runner, Options options);
@@ -59,8 +72,8 @@ class Scheduler {
   void renew_leases();
   void run_claimed(const ClaimedJob& claimed);
   /// What `attempt` throws (memory runs out in the server) loses the attempt and not the worker.
-  AttemptResult attempt_safely(const ClaimedJob& claimed, const StopSignal& stop);
-  AttemptResult attempt(const ClaimedJob& claimed, const StopSignal& stop);
+  AttemptResult attempt_safely(const ClaimedJob& claimed, const StopSignal& stop, StageClock& stages);
+  AttemptResult attempt(const ClaimedJob& claimed, const StopSignal& stop, StageClock& stages);
   void settle(const ClaimedJob& claimed, AttemptResult result);
   /// Keeps what the attempt left; changes the result if that cannot be kept or is not complete.
   std::vector<Output> publish(const Job& job, AttemptResult& result);

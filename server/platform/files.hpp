@@ -31,6 +31,9 @@ Result<UniqueFd> open_regular(const std::filesystem::path& path);
 /// Writes all bytes, however often the system call returns early.
 Status write_all(int fd, std::span<const std::byte> bytes, std::string_view action);
 
+/// Writes a file under its name at once and durably: what was there stays until all of it is.
+Status write_file_durably(const std::filesystem::path& path, std::string_view content);
+
 /// Size of an open file.
 Result<std::uint64_t> file_size(int fd);
 

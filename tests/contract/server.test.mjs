@@ -197,7 +197,7 @@ test('the curl example waits, downloads and prints the report, and shows a probl
 });
 
 test('probes, index, methods and the contract answer as declared', async () => {
-  for (const target of ['/healthz', '/readyz', '/', '/v1/methods', '/v1/methods/advancing-front', '/openapi.json']) {
+  for (const target of ['/healthz', '/readyz', '/metrics', '/', '/v1/methods', '/v1/methods/advancing-front', '/openapi.json']) {
     assert.equal((await call('GET', target)).status, 200, target);
   }
 });

@@ -1,8 +1,11 @@
 #include <gmock/gmock.h>
+#include <sqlite3.h>
 
 #include <fstream>
 
 #include "artifacts/file_artifact_store.hpp"
+#include "artifacts/orphans.hpp"
+#include "jobs/sqlite_job_store.hpp"
 #include "platform/files.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -125,10 +128,89 @@ TEST_F(ArtifactsTest, the_sweep_removes_what_no_job_refers_to_and_keeps_the_rest
 
 TEST_F(ArtifactsTest, too_little_free_space_is_told_with_numbers) {
   const auto greedy = open_file_artifact_store(root(), ~std::uint64_t{0}).value();
-  const Status space = greedy->check_space();
+  const Status space = greedy->check_space(0);
   EXPECT_EQ(space.error().code, ErrorCode::storage_full);
   EXPECT_THAT(space.error().detail, HasSubstr("18446744073709551615"));
-  EXPECT_TRUE(store_->check_space().ok());
+  EXPECT_TRUE(store_->check_space(0).ok());
+}
+
+TEST_F(ArtifactsTest, a_cloud_that_would_use_up_the_space_is_refused_before_it_is_sent_and_while_it_arrives) {
+  const std::uint64_t free = store_->free_bytes();
+  const auto tight = open_file_artifact_store(root(), free - (std::uint64_t{20} << 20)).value();
+  EXPECT_TRUE(tight->check_space(std::uint64_t{1} << 20).ok());
+  EXPECT_EQ(tight->check_space(std::uint64_t{30} << 20).error().code, ErrorCode::storage_full);
+  // Whoever does not say how much will come is stopped on the way.
+  auto upload = tight->begin_upload().value();
+  const std::string piece(std::size_t{1} << 20, 'x');
+  Status written = Done{};
+  for (int i = 0; i < 64 && written; ++i) written = upload->write(as_bytes(piece));
+  ASSERT_FALSE(written.ok());
+  EXPECT_EQ(written.error().code, ErrorCode::storage_full);
+  upload.reset();
+  EXPECT_EQ(count("uploads") + count("inputs"), 0U);
+}
+
+TEST_F(ArtifactsTest, files_of_another_job_store_are_never_touched) {
+  EXPECT_TRUE(store_->belong_to("one").ok());
+  EXPECT_TRUE(store_->belong_to("one").ok());
+  const Status other = store_->belong_to("two");
+  ASSERT_FALSE(other.ok());
+  EXPECT_EQ(other.error().code, ErrorCode::invalid_usage);
+  EXPECT_THAT(other.error().detail, HasSubstr("belong to the job store 'one'"));
+}
+
+/// The store and the job store together.
+class OrphanTest : public ArtifactsTest {
+ protected:
+  void SetUp() override {
+    ArtifactsTest::SetUp();
+    jobs_ = open_sqlite_job_store(root() / "jobs.sqlite", {}).value();
+    sweep_ = std::make_unique<OrphanSweep>(*jobs_, *store_);
+  }
+  void submit(const std::string& id) {
+    const NewJob job{id, "m", {}, store_input(id, "cloud"), {"mesh.glb"}, "r", "", std::chrono::hours(1)};
+    EXPECT_TRUE(jobs_->submit(job).ok());
+  }
+  void publish(const Claim& claim) {
+    store_->begin_attempt(claim).value();
+    write_attempt(claim, "mesh.glb", "x");
+    store_->publish(claim, std::vector<std::string>{"mesh.glb"}).value();
+  }
+  std::unique_ptr<JobStore> jobs_;
+  std::unique_ptr<OrphanSweep> sweep_;
+};
+
+TEST_F(OrphanTest, what_no_job_knows_is_removed_at_the_second_look) {
+  submit("known");
+  store_input("orphan", "cloud");
+  publish({"orphan", 1});
+  EXPECT_EQ(sweep_->look().value(), 0U);
+  EXPECT_EQ(sweep_->look().value(), 2U);
+  EXPECT_EQ(count("inputs"), 1U);
+  EXPECT_EQ(count("outputs"), 0U);
+}
+
+TEST_F(OrphanTest, what_is_on_its_way_between_the_stores_is_kept) {
+  store_input("late", "cloud");
+  EXPECT_EQ(sweep_->look().value(), 0U);
+  submit("late");
+  EXPECT_EQ(sweep_->look().value(), 0U);
+  // Outputs that are published and not settled yet, for as long as the store cannot be written.
+  const Claim claim = jobs_->claim().value().value().claim();
+  publish(claim);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(sweep_->look().value(), 0U);
+  EXPECT_EQ(count("inputs") + count("outputs"), 2U);
+}
+
+TEST_F(OrphanTest, without_an_answer_of_the_job_store_nothing_is_removed) {
+  store_input("orphan", "cloud");
+  EXPECT_EQ(sweep_->look().value(), 0U);
+  sqlite3* other = nullptr;
+  ASSERT_EQ(sqlite3_open((root() / "jobs.sqlite").c_str(), &other), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(other, "DROP TABLE outputs", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(other);
+  EXPECT_FALSE(sweep_->look().ok());
+  EXPECT_EQ(count("inputs"), 1U);
 }
 
 TEST_F(ArtifactsTest, a_data_directory_is_held_by_one_server) {

@@ -355,7 +355,9 @@ std::vector<std::string> select_inputs(Database& database) {
 }
 
 std::vector<Claim> select_published(Database& database) {
-  Query query(database, "SELECT DISTINCT job, attempt FROM outputs");
+  Query query(database,
+              "SELECT DISTINCT job, attempt FROM outputs UNION "
+              "SELECT id, attempt FROM jobs WHERE status = 'running'");
   return claims(query);
 }
 

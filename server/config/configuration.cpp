@@ -1,0 +1,168 @@
+#include "config/configuration.hpp"
+
+#include <sys/resource.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "platform/machine.hpp"
+
+namespace surfaced {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Descriptors beside those of connections: the store, files that are sent and received, pipes of children.
+constexpr std::uint64_t kOtherFiles = 64;
+constexpr std::uint64_t kFilesPerThread = 2;
+constexpr std::uint64_t kFilesPerWorker = 8;
+
+std::optional<std::string> read_text(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) return std::nullopt;
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// The file's values as text, by name.
+std::map<std::string, std::string, std::less<>> read_file(const std::filesystem::path& path,
+                                                          std::vector<std::string>& problems) {
+  std::map<std::string, std::string, std::less<>> values;
+  if (path.empty()) return values;
+  const auto text = read_text(path);
+  if (!text) {
+    problems.push_back("the file '" + path.string() + "' cannot be read");
+    return values;
+  }
+  const Json json = Json::parse(*text, nullptr, false, true);
+  if (!json.is_object()) {
+    problems.push_back("the file '" + path.string() + "' is no JSON object");
+    return values;
+  }
+  for (const auto& [name, value] : json.items()) {
+    if (std::ranges::find(setting_table(), name, &Setting::name) == setting_table().end()) {
+      problems.push_back("the file '" + path.string() + "' sets '" + name + "', which is no setting");
+    } else if (value.is_string()) {
+      values[name] = value.get<std::string>();
+    } else if (value.is_number_unsigned()) {
+      values[name] = value.dump();
+    } else {
+      problems.push_back(name + " is " + value.dump() + " in the file; a text or a whole number is expected");
+    }
+  }
+  return values;
+}
+
+struct Given {
+  std::string value;
+  std::string source;
+};
+
+std::optional<Given> from_environment(const Setting& setting, const Sources& sources,
+                                      std::vector<std::string>& problems) {
+  if (!sources.environment) return std::nullopt;
+  const std::string name = environment_name(setting);
+  const auto direct = sources.environment(name);
+  const auto path = sources.environment(name + "_FILE");
+  if (direct && path) problems.push_back(name + " and " + name + "_FILE are both set");
+  if (direct) return Given{*direct, name};
+  if (!path) return std::nullopt;
+  auto text = read_text(*path);
+  if (!text) {
+    problems.push_back(name + "_FILE names '" + *path + "', which cannot be read");
+    return std::nullopt;
+  }
+  while (!text->empty() && (text->back() == '\n' || text->back() == '\r')) text->pop_back();
+  return Given{*text, name + "_FILE"};
+}
+
+void check_together(Configuration& configuration) {
+  const Settings& settings = configuration.settings;
+  if (settings.data.empty()) configuration.problems.emplace_back("data is not set; it has no default");
+  if (settings.bodies >= settings.http_threads) {
+    configuration.problems.push_back("bodies is " + std::to_string(settings.bodies) +
+                                     "; allowed is less than http-threads, which is " +
+                                     std::to_string(settings.http_threads));
+  }
+}
+
+std::string text_of_bytes(std::uint64_t bytes) { return std::to_string(bytes >> 20) + " MiB"; }
+
+void check_data(Configuration& configuration) {
+  const std::filesystem::path& data = configuration.settings.data;
+  if (data.empty()) return;
+  std::error_code error;
+  std::filesystem::path existing = std::filesystem::absolute(data, error);
+  while (!existing.empty() && !std::filesystem::exists(existing, error) && existing.has_relative_path()) {
+    existing = existing.parent_path();
+  }
+  if (!std::filesystem::is_directory(existing, error) || ::access(existing.c_str(), W_OK | X_OK) != 0) {
+    configuration.problems.push_back("data is '" + data.string() + "'; '" + existing.string() +
+                                     "' is no folder that this user can write");
+    return;
+  }
+  struct statvfs disk {};
+  if (::statvfs(existing.c_str(), &disk) != 0) return;
+  const std::uint64_t free = std::uint64_t{disk.f_bavail} * disk.f_frsize;
+  if (free < configuration.settings.minimum_free) {
+    configuration.warnings.push_back(text_of_bytes(free) + " are free under data, minimum-free is " +
+                                     text_of_bytes(configuration.settings.minimum_free) +
+                                     ": clouds will be answered 507");
+  }
+}
+
+}  // namespace
+
+Configuration read_configuration(const Sources& sources) {
+  Configuration configuration;
+  const auto file = read_file(sources.file, configuration.problems);
+  for (const Setting& setting : setting_table()) {
+    std::optional<Given> given = from_environment(setting, sources, configuration.problems);
+    if (const auto flag = sources.flags.find(setting.name); flag != sources.flags.end()) {
+      given = Given{flag->second, "--" + flag->first};
+    } else if (const auto line = file.find(setting.name); !given && line != file.end()) {
+      given = Given{line->second, "file"};
+    }
+    configuration.entries.push_back({&setting, given ? given->source : "default"});
+    if (!given) continue;
+    if (const Status assigned = assign(setting, given->value, configuration.settings); !assigned) {
+      configuration.problems.push_back(assigned.error().detail + " (from " + given->source + ")");
+    }
+  }
+  check_together(configuration);
+  return configuration;
+}
+
+std::string joined(const std::vector<std::string>& problems) {
+  std::string all;
+  for (const std::string& problem : problems) all += (all.empty() ? "" : "; ") + problem;
+  return all;
+}
+
+void check_machine(Configuration& configuration) {
+  Settings settings = configuration.settings;
+  settings.resolve();
+  check_data(configuration);
+  rlimit files{};
+  ::getrlimit(RLIMIT_NOFILE, &files);
+  const std::uint64_t needed =
+      settings.connections + kFilesPerThread * settings.http_threads + kFilesPerWorker * settings.workers + kOtherFiles;
+  if (files.rlim_max < needed) {
+    configuration.problems.push_back("connections is " + std::to_string(settings.connections) + ", which needs " +
+                                     std::to_string(needed) + " open files; the limit (ulimit -Hn) is " +
+                                     std::to_string(files.rlim_max));
+  }
+  const std::uint64_t memory = machine_memory();
+  if (settings.job_memory > memory / settings.workers) {
+    configuration.warnings.push_back(std::to_string(settings.workers) + " workers with a job-memory of " +
+                                     text_of_bytes(settings.job_memory) + " may use more than the machine's " +
+                                     text_of_bytes(memory));
+  }
+}
+
+}  // namespace surfaced

@@ -1,0 +1,160 @@
+#include "config/setting_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <optional>
+
+namespace surfaced {
+namespace {
+
+constexpr std::uint64_t kDay = std::uint64_t{24} * 3600;
+constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 60;
+using S = Settings;
+
+const auto kTable = std::to_array<Setting>({
+    {"listen", Unit::text, "", 0, 0, "Address to listen on, HOST:PORT; port 0 takes a free one", &S::listen},
+    {"data", Unit::path, "", 0, 0, "Folder of the job store and all files, on a local disk; one server at a time",
+     &S::data},
+    {"log-format", Unit::text, "text|json", 0, 0, "Lines of the log on standard error", &S::log_format},
+    {"log-level", Unit::text, "debug|info|warning|error", 0, 0, "What is worth a line", &S::log_level},
+    {"workers", Unit::count, "", 0, 1024, "Jobs that run at once; 0: as many as cores", &S::workers},
+    {"threads-per-job", Unit::count, "", 0, 1024, "Threads a job may use; 0: all cores", &S::threads_per_job},
+    {"job-time-limit", Unit::seconds, "", 1, 30 * kDay, "Time a job may run", &S::job_time_limit},
+    {"job-memory", Unit::bytes, "", 0, kMaxBytes,
+     "Memory a job may use; 0: three quarters of the machine's over the workers", &S::job_memory},
+    {"job-output", Unit::bytes, "", 1 << 20, kMaxBytes, "Size of any file that a job writes", &S::job_output},
+    {"max-points", Unit::count, "", 1, 4'000'000'000, "Points a cloud may have", &S::max_points},
+    {"queue-limit", Unit::count, "", 1, 1'000'000, "Jobs that may wait; more are answered 503", &S::queue_limit},
+    {"ttl", Unit::seconds, "", 1, 365 * kDay, "Time that a job and its files are kept after its end", &S::ttl},
+    {"gone-time", Unit::seconds, "", 0, 365 * kDay, "Time that the id of a removed job answers 410", &S::gone_time},
+    {"lease", Unit::seconds, "", 3, 3600, "Silence after which a running job counts as lost", &S::lease},
+    {"minimum-free", Unit::bytes, "", 0, kMaxBytes,
+     "Space under the data folder that stays free; clouds that would use it are answered 507", &S::minimum_free},
+    {"wait-limit", Unit::seconds, "", 0, 600, "Time that /v1/reconstruct waits for the mesh", &S::wait_limit},
+    {"body-limit", Unit::bytes, "", 1, kMaxBytes, "Size of a request's body; more is answered 413", &S::body_limit},
+    {"body-grace", Unit::seconds, "", 1, 3600, "Time that a body or an answer may take before its pace counts",
+     &S::body_grace},
+    {"body-rate", Unit::bytes_per_second, "", 1, kMaxBytes,
+     "Pace that a client must keep up with after that; slower ones are answered 408 or cut off", &S::body_rate},
+    {"header-limit", Unit::bytes, "", 1024, 1 << 20, "Size of a request's line and headers; more is answered 431",
+     &S::header_limit},
+    {"header-time", Unit::seconds, "", 1, 600, "Time in which the headers have to arrive, or 408", &S::header_time},
+    {"idle-time", Unit::seconds, "", 1, 3600, "Time that a connection may be silent between two requests",
+     &S::idle_time},
+    {"connections", Unit::count, "", 2, 100'000,
+     "Connections at once; beyond, the longest silent one is closed, or the new one answered 503", &S::connections},
+    {"requests-per-connection", Unit::count, "", 1, 1'000'000, "Requests after which a connection is closed",
+     &S::requests_per_connection},
+    {"http-threads", Unit::count, "", 2, 1024, "Requests that are worked on at once; those that wait do not count",
+     &S::http_threads},
+    {"bodies", Unit::count, "", 1, 1023,
+     "Bodies that are received at once, fewer than http-threads; more are answered 503", &S::bodies},
+    {"bodies-per-client", Unit::count, "", 0, 1023,
+     "Of these, from one address that is not loopback; more are answered 429; 0: no limit", &S::bodies_per_client},
+    {"drain-time", Unit::seconds, "", 0, 3600, "Time that running jobs get when the server stops", &S::drain_time},
+    {"drain-delay", Unit::seconds, "", 0, 600,
+     "Time between /readyz saying 503 and the end of listening, for load balancers", &S::drain_delay},
+});
+
+struct Suffix {
+  std::string_view name;
+  unsigned shift;
+};
+// The longest first.
+constexpr auto kSuffixes = std::to_array<Suffix>({{"tib", 40},
+                                                  {"gib", 30},
+                                                  {"mib", 20},
+                                                  {"kib", 10},
+                                                  {"tb", 40},
+                                                  {"gb", 30},
+                                                  {"mb", 20},
+                                                  {"kb", 10},
+                                                  {"t", 40},
+                                                  {"g", 30},
+                                                  {"m", 20},
+                                                  {"k", 10},
+                                                  {"b", 0}});
+
+/// A number with the unit's suffix, or none.
+std::optional<std::uint64_t> number_in(Unit unit, std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failed != std::errc()) return std::nullopt;
+  std::string rest(end, text.data() + text.size());
+  std::erase(rest, ' ');
+  std::ranges::transform(rest, rest.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (rest.empty() || (unit == Unit::seconds && rest == "s")) return value;
+  if (unit != Unit::bytes && unit != Unit::bytes_per_second) return std::nullopt;
+  if (rest.ends_with("/s")) rest.resize(rest.size() - 2);
+  const auto* suffix = std::ranges::find(kSuffixes, rest, &Suffix::name);
+  if (suffix == kSuffixes.end() || value > (kMaxBytes >> suffix->shift)) return std::nullopt;
+  return value << suffix->shift;
+}
+
+std::string with_unit(Unit unit, std::uint64_t value) {
+  if (unit == Unit::seconds) return std::to_string(value) + " s";
+  if (unit == Unit::count) return std::to_string(value);
+  constexpr auto kNames = std::to_array<std::string_view>({"B", "KiB", "MiB", "GiB", "TiB"});
+  std::size_t step = 0;
+  while (step + 1 < kNames.size() && value >= 1024 && value % 1024 == 0) {
+    value /= 1024;
+    ++step;
+  }
+  return std::to_string(value) + " " + std::string(kNames.at(step)) + (unit == Unit::bytes ? "" : "/s");
+}
+
+bool is_choice(std::string_view choices, std::string_view value) {
+  while (!choices.empty()) {
+    const std::string_view each = choices.substr(0, choices.find('|'));
+    if (each == value) return true;
+    choices.remove_prefix(std::min(choices.size(), each.size() + 1));
+  }
+  return false;
+}
+
+}  // namespace
+
+std::span<const Setting> setting_table() { return kTable; }
+
+std::string environment_name(const Setting& setting) {
+  std::string name = "SURFACED_";
+  for (const char c : setting.name)
+    name += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+std::string shown(const Setting& setting, const Settings& settings) {
+  if (const auto* text = std::get_if<std::string Settings::*>(&setting.place)) return settings.*(*text);
+  if (const auto* path = std::get_if<std::filesystem::path Settings::*>(&setting.place)) {
+    return (settings.*(*path)).string();
+  }
+  return with_unit(setting.unit, settings.*std::get<std::uint64_t Settings::*>(setting.place));
+}
+
+std::string allowed(const Setting& setting) {
+  if (setting.unit == Unit::text) return setting.choices.empty() ? "any text" : std::string(setting.choices);
+  if (setting.unit == Unit::path) return "a path";
+  return with_unit(setting.unit, setting.least) + " to " + with_unit(setting.unit, setting.most);
+}
+
+Status assign(const Setting& setting, std::string_view value, Settings& settings) {
+  const Error wrong{ErrorCode::invalid_usage,
+                    std::string(setting.name) + " is '" + std::string(value) + "'; allowed is " + allowed(setting)};
+  if (const auto* path = std::get_if<std::filesystem::path Settings::*>(&setting.place)) {
+    settings.*(*path) = std::filesystem::path(value);
+    return Done{};
+  }
+  if (const auto* text = std::get_if<std::string Settings::*>(&setting.place)) {
+    if (!setting.choices.empty() && !is_choice(setting.choices, value)) return wrong;
+    settings.*(*text) = std::string(value);
+    return Done{};
+  }
+  const auto number = number_in(setting.unit, value);
+  if (!number || *number < setting.least || *number > setting.most) return wrong;
+  settings.*std::get<std::uint64_t Settings::*>(setting.place) = *number;
+  return Done{};
+}
+
+}  // namespace surfaced
