@@ -16,6 +16,7 @@ find_package(PkgConfig REQUIRED)
 # The package's Cflags carry macros (OpenSSL, zlib, brotli) that change the layout of its classes.
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 pkg_check_modules(seccomp REQUIRED IMPORTED_TARGET libseccomp)
+pkg_check_modules(curl REQUIRED IMPORTED_TARGET libcurl)
 find_path(DRACO_INCLUDE_DIR draco/core/draco_types.h REQUIRED)
 find_library(DRACO_LIBRARY draco REQUIRED)
 add_library(draco_codec INTERFACE)

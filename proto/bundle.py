@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Writes the contract as one JSON file: openapi.yaml with the schemas of schema/ among its components.
 
-usage: bundle.py OUTPUT
+usage: bundle.py OUTPUT [OUTPUT_3_0]
+
+OUTPUT_3_0 is the same in OpenAPI 3.0, which knows less of JSON Schema: types that may be null become nullable,
+constants enumerations; keywords that it has not are left out.
 """
 import json
 import sys
@@ -21,11 +24,51 @@ def rewrite(node, schema=None):
     result = {key: rewrite(value, schema) for key, value in node.items() if key != "$schema" or schema is None}
     reference = result.get("$ref")
     if isinstance(reference, str):
-        if reference.endswith(".json"):
-            result["$ref"] = "#/components/schemas/" + Path(reference).stem
+        file, _, place = reference.partition("#")
+        if file.endswith(".json"):
+            result["$ref"] = "#/components/schemas/" + Path(file).stem + place
         elif schema is not None and reference.startswith("#/"):
             result["$ref"] = f"#/components/schemas/{schema}/{reference[2:]}"
     return result
+
+
+def downgrade(node):
+    """A node of the bundle in the words of OpenAPI 3.0."""
+    if isinstance(node, list):
+        return [downgrade(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    dropped = {"$schema", "$comment", "contentMediaType", "contentEncoding", "patternProperties", "x-unit"}
+    result = {key: downgrade(value) for key, value in node.items() if key not in dropped}
+    if "contentMediaType" in node and node.get("type") == "string":
+        result["format"] = "binary"
+    if "const" in node:
+        result["enum"] = [result.pop("const")]
+    if isinstance(node.get("type"), list):
+        kinds = [kind for kind in node["type"] if kind != "null"]
+        del result["type"]
+        if len(kinds) == 1:
+            result["type"] = kinds[0]
+        else:
+            result["anyOf"] = [{"type": kind} for kind in kinds]
+        if "null" in node["type"]:
+            result["nullable"] = True
+    for union in ("oneOf", "anyOf"):
+        kinds = node.get(union)
+        if isinstance(kinds, list) and {"type": "null"} in kinds:
+            result[union] = [downgrade(kind) for kind in kinds if kind != {"type": "null"}]
+            result["nullable"] = True
+    for bound in ("Minimum", "Maximum"):
+        value = result.get("exclusive" + bound)
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            result[bound.lower()], result["exclusive" + bound] = value, True
+    if isinstance(result.get("enum"), list) and None in result["enum"]:
+        result["nullable"] = True
+    return result
+
+
+def write(path, contract):
+    Path(path).write_text(json.dumps(contract, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def main():
@@ -33,8 +76,13 @@ def main():
     schemas = contract.setdefault("components", {}).setdefault("schemas", {})
     for path in sorted((HERE / "schema").glob("*.json")):
         schemas[path.stem] = rewrite(json.loads(path.read_text(encoding="utf-8")), path.stem)
-    text = json.dumps(contract, indent=1, ensure_ascii=False)
-    Path(sys.argv[1]).write_text(text + "\n", encoding="utf-8")
+    write(sys.argv[1], contract)
+    if len(sys.argv) > 2:
+        older = downgrade(contract)
+        older["openapi"] = "3.0.3"
+        older["info"].pop("summary", None)
+        older["info"]["license"].pop("identifier", None)
+        write(sys.argv[2], older)
 
 
 if __name__ == "__main__":

@@ -10,4 +10,9 @@ std::string_view errors_json();
 /// proto/openapi.yaml with the schemas, as JSON.
 std::string_view openapi_json();
 
+/// The same in OpenAPI 3.0.
+std::string_view openapi30_json();
+/// proto/docs.html: shows the contract to people.
+std::string_view docs_html();
+
 }  // namespace surfaced::proto

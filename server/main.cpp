@@ -17,7 +17,9 @@ int dispatch(int argc, char** argv) {
   surfaced::add_methods(app, run);
   surfaced::add_serve(app, run);
   surfaced::add_check_config(app, run);
+  surfaced::add_keys(app, run);
   surfaced::add_attempt(app, run);
+  surfaced::add_side_tasks(app, run);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked_for_help) {

@@ -17,13 +17,22 @@ Response index(const Request& /*request*/) {
   const auto link = [](const char* rel, const char* href, const char* title) {
     return Json{{"rel", rel}, {"href", href}, {"type", "application/json"}, {"title", title}};
   };
-  return json_response(200, {{"name", "surfaced"},
-                             {"version", version()},
-                             {"description", "Turns point clouds into meshes."},
-                             {"links", Json::array({link("service-desc", "/openapi.json", "The contract, OpenAPI 3.1"),
-                                                    link("methods", "/v1/methods", "The methods and their parameters"),
-                                                    link("reconstruct", "/v1/reconstruct", "POST a cloud, get a mesh"),
-                                                    link("jobs", "/v1/jobs", "POST a cloud, get a job")})}});
+  return json_response(
+      200,
+      {{"name", "surfaced"},
+       {"version", version()},
+       {"description", "Turns point clouds into meshes."},
+       {"links",
+        Json::array({link("service-desc", "/openapi.json", "The contract, OpenAPI 3.1"),
+                     link("methods", "/v1/methods", "The methods and their parameters"),
+                     link("reconstruct", "/v1/reconstruct", "POST a cloud, get a mesh"),
+                     link("jobs", "/v1/jobs", "POST a cloud, get a job"),
+                     link("service-doc", "/docs", "The contract for people"),
+                     link("conformance", "/conformance", "OGC API - Processes"),
+                     link("http://www.opengis.net/def/rel/ogc/1.0/conformance", "/conformance", "OGC API - Processes"),
+                     link("http://www.opengis.net/def/rel/ogc/1.0/processes", "/processes", "The methods as processes"),
+                     link("http://www.opengis.net/def/rel/ogc/1.0/job-list", "/jobs",
+                          "The jobs, as OGC API - Processes sees them")})}});
 }
 
 Response get_method(const Request& request) {
@@ -39,11 +48,22 @@ Response contract(const Request& /*request*/) {
   return response;
 }
 
+Response documentation(const Request& /*request*/) {
+  Response response;
+  response.content_type = "text/html; charset=utf-8";
+  // Everything that the page needs is in it and in /openapi.json.
+  response.headers.add("Content-Security-Policy",
+                       "default-src 'none'; connect-src 'self'; style-src 'unsafe-inline'; script-src 'unsafe-inline'");
+  response.body = std::string(proto::docs_html());
+  return response;
+}
+
 }  // namespace
 
 void add_info_routes(http::Router& router, JobService& service, const RouteOptions& options) {
   router.add("GET", "/", index);
   router.add("GET", "/openapi.json", contract);
+  router.add("GET", "/docs", documentation);
   router.add("GET", "/v1/methods", [](Request&) { return json_response(200, {{"methods", methods_json()}}); });
   router.add("GET", "/v1/methods/{id}", get_method);
   router.add("GET", "/healthz", [](Request&) { return json_response(200, probe()); });
@@ -61,8 +81,14 @@ void add_info_routes(http::Router& router, JobService& service, const RouteOptio
   });
 }
 
-void add_routes(http::Router& router, JobService& service, const RouteOptions& options) {
-  add_job_routes(router, service, options);
+void add_routes(http::Router& router, JobService& service, CloudService& clouds, UploadStore& uploads,
+                const RouteOptions& options) {
+  add_submit_routes(router, service, options);
+  add_job_routes(router, service);
+  add_event_routes(router, service);
+  add_ogc_routes(router, service, options);
+  add_cloud_routes(router, service, clouds);
+  add_upload_routes(router, service, clouds, uploads, options.body_bytes);
   add_output_routes(router, service);
   add_info_routes(router, service, options);
 }

@@ -1,7 +1,9 @@
 #include "api/job_json.hpp"
 
-#include "api/submission.hpp"
+#include "api/outputs.hpp"
 #include "http/problem.hpp"
+#include "platform/files.hpp"
+#include "platform/sha256.hpp"
 
 namespace surfaced::api {
 namespace {
@@ -62,7 +64,15 @@ Json job_json(const Job& job) {
           {"finished_at", time_json(job.finished_at)},
           {"expires_at", time_json(job.expires_at)},
           {"error", job.error ? http::problem_json(*job.error, job_path(job.id), job.request_id) : Json()},
+          {"labels", job.labels},
+          {"cloud_id", job.of_stored_cloud() ? Json(job.input.key) : Json()},
           {"links", links_json(job)}};
+}
+
+std::string job_etag(const Job& job) {
+  Sha256 sha;
+  sha.update(as_bytes(http::text_of(job_json(job))));
+  return "\"" + sha.finish().substr(0, 32) + "\"";
 }
 
 }  // namespace surfaced::api

@@ -1,23 +1,70 @@
 #include "api/job_service.hpp"
 
+#include <algorithm>
 #include <memory>
 
+#include "api/outputs.hpp"
+#include "platform/files.hpp"
 #include "platform/random.hpp"
+#include "platform/sha256.hpp"
 
 namespace surfaced::api {
-JobService::JobService(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, Scheduler& scheduler)
-    : jobs_(jobs), artifacts_(artifacts), events_(events), scheduler_(scheduler) {}
+namespace {
 
-Result<Job> JobService::submit(const Submission& submission, http::BodySource& body, const RequestMark& mark) {
-  if (!body.present()) {
-    return Error{ErrorCode::length_required, "the request has neither Content-Length nor Transfer-Encoding"};
-  }
-  if (body.length() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
+/// Hash of everything that a submission asks for.
+std::string fingerprint_of(const Submission& submission, const std::string& input_sha256) {
+  const nlohmann::ordered_json all{
+      {"method", submission.method}, {"parameters", submission.parameters}, {"outputs", submission.outputs},
+      {"labels", submission.labels}, {"ttl", submission.ttl.count()},       {"webhook", submission.webhook},
+      {"input", input_sha256},
+  };
+  Sha256 sha;
+  sha.update(as_bytes(all.dump()));
+  return sha.finish();
+}
+
+}  // namespace
+
+KeysInFlight::Turn::~Turn() {
+  if (keys_ == nullptr) return;
+  const std::scoped_lock lock(keys_->mutex_);
+  keys_->held_.erase(entry_);
+}
+
+Result<KeysInFlight::Turn> KeysInFlight::take(const RequestMark& mark) {
+  if (mark.idempotency_key.empty()) return Turn();
+  std::string entry = mark.caller.id + "\n" + mark.idempotency_key;
+  const std::scoped_lock lock(mutex_);
+  if (held_.insert(entry).second) return Turn(*this, std::move(entry));
+  return Error{ErrorCode::request_in_flight,
+               "another request with the Idempotency-Key '" + mark.idempotency_key + "' has no answer yet"};
+}
+
+JobService::JobService(JobStore& jobs, ArtifactStore& artifacts, CloudService& clouds, Renditions& renditions,
+                       JobEvents& events, Scheduler& scheduler)
+    : jobs_(jobs),
+      artifacts_(artifacts),
+      clouds_(clouds),
+      renditions_(renditions),
+      events_(events),
+      scheduler_(scheduler) {}
+
+Result<std::unique_ptr<Upload>> JobService::begin_upload(std::uint64_t needed) {
+  if (draining_) return Error{ErrorCode::not_ready, "the server is stopping"};
+  if (Status space = artifacts_.check_space(needed); !space.ok()) return space.error();
+  return artifacts_.begin_upload();
+}
+
+Result<JobService::Submitted> JobService::submit(const Submission& submission, std::unique_ptr<Upload> cloud,
+                                                 const RequestMark& mark) {
+  const std::string fingerprint = fingerprint_of(submission, cloud ? cloud->sha256() : submission.cloud_id);
+  auto before = made_before(mark, fingerprint);
+  if (!before) return std::move(before).error();
+  if (before->has_value()) return Submitted{std::move(**before), true};
   if (draining_) return Error{ErrorCode::not_ready, "the server is stopping"};
   if (Status room = jobs_.check_room(); !room.ok()) return room.error();
-  if (Status space = artifacts_.check_space(body.length().value_or(0)); !space.ok()) return space.error();
   const std::string id = random_hex<16>();
-  const auto input = store_body(body, id);
+  const auto input = input_of(submission, cloud.get(), mark.caller, id);
   if (!input) return input.error();
   const NewJob job{id,
                    submission.method,
@@ -26,25 +73,50 @@ Result<Job> JobService::submit(const Submission& submission, http::BodySource& b
                    submission.outputs,
                    mark.request_id,
                    mark.traceparent,
-                   submission.ttl};
+                   submission.ttl,
+                   mark.caller.id,
+                   submission.labels,
+                   submission.webhook,
+                   mark.idempotency_key,
+                   fingerprint};
   auto stored = jobs_.submit(job);
   if (stored) {
     scheduler_.wake();
-  } else if (stored.error().code == ErrorCode::queue_full) {
-    artifacts_.remove({{job.input.key}, {}});
+    return Submitted{std::move(*stored), false};
   }
+  if (stored.error().code == ErrorCode::queue_full && cloud) artifacts_.remove({{job.input.key}, {}});
   // After any other failure it is not known whether the store has the job: its input stays, and the
   // sweep at the next start decides.
-  return stored;
+  return stored.error();
 }
 
-Result<StoredInput> JobService::store_body(http::BodySource& body, std::string_view key) {
-  auto upload = artifacts_.begin_upload();
-  if (!upload) return upload.error();
-  const Status read = body.read([&](std::span<const std::byte> bytes) { return (*upload)->write(bytes); });
-  if (!read) return read.error();
-  if ((*upload)->bytes() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
-  return (*upload)->commit(key);
+Result<StoredInput> JobService::input_of(const Submission& submission, Upload* cloud, const http::Caller& caller,
+                                         std::string_view job) {
+  if (cloud != nullptr) return cloud->commit(job);
+  const auto stored = clouds_.find(submission.cloud_id, caller.owner());
+  if (!stored) return stored.error();
+  return StoredInput{stored->id, stored->bytes, stored->id};
+}
+
+Result<std::optional<Job>> JobService::made_before(const RequestMark& mark, const std::string& fingerprint) {
+  if (mark.idempotency_key.empty()) return std::optional<Job>();
+  const auto replay = jobs_.replay(mark.caller.id, mark.idempotency_key);
+  if (!replay) return replay.error();
+  if (!replay->has_value()) return std::optional<Job>();
+  if ((*replay)->fingerprint != fingerprint) {
+    return Error{ErrorCode::idempotency_mismatch, "the Idempotency-Key '" + mark.idempotency_key +
+                                                      "' has made the job " + (*replay)->job +
+                                                      " from another cloud or with other parameters"};
+  }
+  auto job = jobs_.find((*replay)->job);
+  if (!job) return std::move(job).error();
+  return std::optional(std::move(*job));
+}
+
+Result<Output> JobService::make_output(const Job& job, const std::string& mesh) {
+  const auto kinds = mesh_kinds();
+  const auto kind = std::ranges::find(kinds, mesh, &OutputKind::name);
+  return renditions_.make(job, mesh, static_cast<std::uint32_t>(kind - kinds.begin()));
 }
 
 Result<JobService::Removal> JobService::dismiss(std::string_view id) {
@@ -82,6 +154,12 @@ Result<http::BodyStream> JobService::open_output(const Job& job, const Output& o
   return http::BodyStream{shared->size(), [shared](std::uint64_t offset, std::span<std::byte> buffer) {
                             return shared->read(offset, buffer);
                           }};
+}
+
+Result<std::size_t> JobService::read_log(const Job& job, std::uint64_t offset, std::span<std::byte> buffer) {
+  const auto reader = artifacts_.open_log({job.id, job.attempt});
+  if (!reader) return reader.error();
+  return (*reader)->read(offset, buffer);
 }
 
 Status JobService::ready() {

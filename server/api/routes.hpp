@@ -5,23 +5,35 @@
 #include <string>
 
 #include "api/job_service.hpp"
+#include "api/submission.hpp"
 #include "http/router.hpp"
+#include "uploads/upload_store.hpp"
+#include "webhooks/delivery_store.hpp"
 
 namespace surfaced::api {
 
 struct RouteOptions {
   /// How long POST /v1/reconstruct waits for the mesh.
   std::chrono::milliseconds reconstruct_wait{30'000};
-  /// Time to live of a job that asks for none.
-  std::chrono::seconds ttl{};
+  SubmissionRules rules;
+  /// Bytes of a cloud.
+  std::uint64_t body_bytes = 0;
   /// Text of /metrics.
   std::function<std::string()> metrics;
 };
 
 /// Every path of the service, as proto/openapi.yaml lists them.
-void add_routes(http::Router& router, JobService& service, const RouteOptions& options);
+void add_routes(http::Router& router, JobService& service, CloudService& clouds, UploadStore& uploads,
+                const RouteOptions& options);
 
-void add_job_routes(http::Router& router, JobService& service, const RouteOptions& options);
+void add_submit_routes(http::Router& router, JobService& service, const RouteOptions& options);
+void add_ogc_routes(http::Router& router, JobService& service, const RouteOptions& options);
+void add_delivery_routes(http::Router& router, JobService& service, DeliveryStore& deliveries);
+void add_event_routes(http::Router& router, JobService& service);
+void add_job_routes(http::Router& router, JobService& service);
+void add_upload_routes(http::Router& router, JobService& service, CloudService& clouds, UploadStore& store,
+                       std::uint64_t most_bytes);
+void add_cloud_routes(http::Router& router, JobService& service, CloudService& clouds);
 void add_output_routes(http::Router& router, JobService& service);
 void add_info_routes(http::Router& router, JobService& service, const RouteOptions& options);
 

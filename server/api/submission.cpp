@@ -5,97 +5,40 @@
 #include <charconv>
 #include <utility>
 
+#include "api/outputs.hpp"
 #include "reconstruction/reconstruction.hpp"
 
 namespace surfaced::api {
 namespace {
 
-struct OutputKind {
-  std::string_view name;
-  std::string_view media_type;
-};
-constexpr auto kMeshes = std::to_array<OutputKind>({{"mesh.glb", "model/gltf-binary"},
-                                                    {"mesh.gltf", "model/gltf+json"},
-                                                    {"mesh.drc", "application/octet-stream"},
-                                                    {"mesh.ply", "application/octet-stream"},
-                                                    {"mesh.obj", "model/obj"},
-                                                    {"mesh.stl", "model/stl"},
-                                                    {"mesh.3mf", "model/3mf"}});
-constexpr auto kOthers =
-    std::to_array<OutputKind>({{"report.json", "application/json"}, {"log.txt", "text/plain; charset=utf-8"}});
-constexpr OutputKind kPoints{"cloud.ply", "application/octet-stream"};
-
 /// Names that are reserved and not handed to the method.
 constexpr auto kReserved =
     std::to_array<std::string_view>({"method", "output", "outputs", "wait", "ttl_seconds", "labels", "webhook"});
+constexpr auto kForReconstruct = std::to_array<std::string_view>({"method", "output"});
+constexpr auto kForJobs = std::to_array<std::string_view>({"method", "outputs", "ttl_seconds", "labels", "webhook"});
+constexpr auto kFields = std::to_array<std::string_view>(
+    {"method", "cloud_id", "parameters", "outputs", "webhook", "ttl_seconds", "labels"});
 
 constexpr double kShortestTtl = 60;
 constexpr double kLongestTtl = 30 * 24 * 3600;
+constexpr std::size_t kMostLabels = 16;
+constexpr std::size_t kLongestLabel = 64;
+constexpr std::size_t kLongestWebhook = 2048;
 
-std::string names_of(const auto& kinds) {
-  std::string names;
-  for (const OutputKind& kind : kinds) names += (names.empty() ? "" : ", ") + std::string(kind.name);
-  return names;
-}
+bool is_among(const auto& names, std::string_view name) { return std::ranges::find(names, name) != names.end(); }
 
-bool is_among(const auto& kinds, std::string_view name) {
-  return std::ranges::find(kinds, name, &OutputKind::name) != kinds.end();
-}
-
-/// Reads "mesh.ply,report.json": one mesh; report and log are always made.
-Result<std::string> mesh_among(std::string_view list) {
-  const std::string_view whole = list;
-  std::string mesh;
-  while (!list.empty()) {
-    const std::string name(list.substr(0, list.find(',')));
-    list.remove_prefix(std::min(list.size(), name.size() + 1));
-    if (is_among(kOthers, name) || name == kPoints.name) continue;
-    if (!is_among(kMeshes, name)) {
-      return Error{ErrorCode::unknown_output, "outputs names '" + name + "'; there are " + names_of(kMeshes) + ", " +
-                                                  std::string(kPoints.name) + ", " + names_of(kOthers)};
-    }
-    if (!mesh.empty() && mesh != name) {
-      return Error{ErrorCode::unknown_output,
-                   "outputs names more than one mesh: '" + std::string(whole) + "'; a job makes one"};
-    }
-    mesh = name;
-  }
-  return mesh.empty() ? std::string(kMeshes.front().name) : mesh;
-}
-
-Result<std::string> wanted_mesh(const http::Query& query, Door door) {
-  auto text = single(query, door == Door::reconstruct ? "output" : "outputs");
-  if (!text || text->empty()) return text ? Result<std::string>(std::string(kMeshes.front().name)) : text;
-  if (door == Door::jobs) return mesh_among(*text);
-  const std::string name = "mesh." + *text;
-  if (is_among(kMeshes, name)) return name;
-  return Error{ErrorCode::unknown_output, "output is '" + *text + "'; allowed are glb, gltf, drc, ply, obj, stl, 3mf"};
-}
-
-/// Whether the list of outputs names the method's cloud; unknown_output if it does and the method makes none.
-Result<bool> wants_points(const http::Query& query, Door door, const MethodInfo& method) {
-  const auto list = door == Door::jobs ? single(query, "outputs") : Result<std::string>(std::string());
-  if (!list) return list.error();
-  for (std::string_view rest = *list; !rest.empty();) {
-    const std::string_view name = rest.substr(0, rest.find(','));
-    rest.remove_prefix(std::min(rest.size(), name.size() + 1));
-    if (name != kPoints.name) continue;
-    if (Status made = check_makes_cloud(method); !made) return std::move(made).error();
-    return true;
-  }
-  return false;
-}
+std::string shown(std::string_view text) { return "'" + std::string(text.substr(0, 200)) + "'"; }
 
 /// A reserved name that this path does not take is not ignored in silence.
 Status refuse_reserved(const http::Query& query, Door door) {
-  constexpr auto kForReconstruct = std::to_array<std::string_view>({"method", "output"});
-  constexpr auto kForJobs = std::to_array<std::string_view>({"method", "outputs", "ttl_seconds"});
   for (const auto& [name, value] : query) {
-    const bool reserved = std::ranges::find(kReserved, name) != kReserved.end();
-    const bool taken = door == Door::jobs ? std::ranges::find(kForJobs, name) != kForJobs.end()
-                                          : std::ranges::find(kForReconstruct, name) != kForReconstruct.end();
-    if (reserved && !taken) {
+    const bool taken = door == Door::jobs ? is_among(kForJobs, name) : is_among(kForReconstruct, name);
+    if (is_among(kReserved, name) && !taken) {
       return Error{ErrorCode::unknown_parameter, "'" + name + "' is not taken by this path"};
+    }
+    if (name == "cloud_id") {
+      return Error{ErrorCode::conflicting_input,
+                   "cloud_id " + shown(value) + " stands in the query of a request whose body is the cloud"};
     }
   }
   return Done{};
@@ -104,19 +47,144 @@ Status refuse_reserved(const http::Query& query, Door door) {
 http::Query method_parameters(const http::Query& query) {
   http::Query parameters;
   std::ranges::copy_if(query, std::back_inserter(parameters),
-                       [](const auto& pair) { return std::ranges::find(kReserved, pair.first) == kReserved.end(); });
+                       [](const auto& pair) { return !is_among(kReserved, pair.first); });
   return parameters;
+}
+
+Result<std::vector<std::string>> checked_labels(std::vector<std::string> labels) {
+  std::ranges::sort(labels);
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  if (labels.size() > kMostLabels) {
+    return Error{ErrorCode::invalid_parameter, "labels has " + std::to_string(labels.size()) +
+                                                   " entries; allowed are " + std::to_string(kMostLabels)};
+  }
+  constexpr std::string_view kSigns = "._:/=@-";
+  for (const std::string& label : labels) {
+    const bool clean = std::ranges::all_of(label, [&](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+             kSigns.find(c) != kSigns.npos;
+    });
+    if (label.empty() || label.size() > kLongestLabel || !clean) {
+      return Error{ErrorCode::invalid_parameter,
+                   "labels has " + shown(label) + "; allowed are 1 to 64 letters, digits and the signs ._:/=@-"};
+    }
+  }
+  return labels;
+}
+
+Result<std::string> checked_webhook(std::string url, const SubmissionRules& rules) {
+  if (url.empty()) return url;
+  if (!rules.webhooks) {
+    return Error{ErrorCode::invalid_parameter,
+                 "webhook is " + shown(url) + ", but this server sends none (--webhooks)"};
+  }
+  const bool clean = std::ranges::all_of(url, [](char c) { return c > ' ' && c < '\x7f'; });
+  if (!url.starts_with("https://") || url.size() > kLongestWebhook || !clean) {
+    return Error{ErrorCode::invalid_parameter, "webhook is " + shown(url) + "; allowed is an https:// URL of up to " +
+                                                   std::to_string(kLongestWebhook) + " printable characters"};
+  }
+  return url;
+}
+
+Status read_query_extras(const http::Query& query, const SubmissionRules& rules, Submission& submission) {
+  const auto ttl = single(query, "ttl_seconds");
+  if (!ttl) return ttl.error();
+  if (!ttl->empty()) {
+    const auto seconds = number_within("ttl_seconds", *ttl, kShortestTtl, kLongestTtl);
+    if (!seconds) return seconds.error();
+    submission.ttl = std::chrono::seconds(static_cast<std::int64_t>(*seconds));
+  }
+  const auto labels = single(query, "labels");
+  if (!labels) return labels.error();
+  auto checked = read_labels(*labels);
+  if (!checked) return std::move(checked).error();
+  submission.labels = std::move(*checked);
+  auto webhook = single(query, "webhook");
+  if (!webhook) return std::move(webhook).error();
+  auto url = checked_webhook(std::move(*webhook), rules);
+  if (!url) return std::move(url).error();
+  submission.webhook = std::move(*url);
+  return Done{};
+}
+
+Result<std::vector<std::string>> wanted_outputs(const http::Query& query, Door door, const MethodInfo& method) {
+  const auto text = single(query, door == Door::reconstruct ? "output" : "outputs");
+  if (!text) return text.error();
+  if (door == Door::jobs || text->empty()) return outputs_for(split_list(*text), method);
+  auto mesh = mesh_named(*text);
+  if (!mesh) return std::move(mesh).error();
+  return outputs_for(std::array{std::move(*mesh)}, method);
+}
+
+using Json = nlohmann::ordered_json;
+
+Error wrong_type(std::string_view field, const Json& value, std::string_view allowed) {
+  return {ErrorCode::invalid_request, "'" + std::string(field) + "' is " +
+                                          shown(value.dump(-1, ' ', false, Json::error_handler_t::replace)) +
+                                          "; allowed is " + std::string(allowed)};
+}
+
+Result<std::string> text_field(const Json& body, const char* field) {
+  const auto found = body.find(field);
+  if (found == body.end() || found->is_null()) return std::string();
+  if (!found->is_string()) return wrong_type(field, *found, "a string");
+  return found->get<std::string>();
+}
+
+Result<std::vector<std::string>> texts_field(const Json& body, const char* field) {
+  std::vector<std::string> texts;
+  const auto found = body.find(field);
+  if (found == body.end() || found->is_null()) return texts;
+  if (!found->is_array()) return wrong_type(field, *found, "an array of strings");
+  for (const Json& each : *found) {
+    if (!each.is_string()) return wrong_type(field, *found, "an array of strings");
+    texts.push_back(each.get<std::string>());
+  }
+  return texts;
+}
+
+Result<std::chrono::seconds> ttl_field(const Json& body, std::chrono::seconds otherwise) {
+  const auto found = body.find("ttl_seconds");
+  if (found == body.end() || found->is_null()) return otherwise;
+  const double seconds = found->is_number() ? found->get<double>() : -1;
+  if (seconds >= kShortestTtl && seconds <= kLongestTtl)
+    return std::chrono::seconds(static_cast<std::int64_t>(seconds));
+  Error error = wrong_type("ttl_seconds", *found, "a number from 60 to 2592000");
+  error.code = ErrorCode::invalid_parameter;
+  return error;
+}
+
+Status check_fields(const Json& body) {
+  if (!body.is_object()) return wrong_type("body", body, "a JSON object");
+  for (const auto& [field, value] : body.items()) {
+    if (is_among(kFields, field)) continue;
+    return Error{ErrorCode::invalid_request, "the body has a field " + shown(field) +
+                                                 "; allowed are method, cloud_id, parameters, outputs, webhook, "
+                                                 "ttl_seconds, labels"};
+  }
+  return Done{};
+}
+
+Result<Json> parameters_field(const Json& body, const MethodInfo& method) {
+  const auto found = body.find("parameters");
+  if (found == body.end() || found->is_null()) return check_parameters(method, Json::object());
+  if (!found->is_object()) return wrong_type("parameters", *found, "an object");
+  return check_parameters(method, *found);
 }
 
 }  // namespace
 
-std::string_view media_type_of(std::string_view output) {
-  const auto* mesh = std::ranges::find(kMeshes, output, &OutputKind::name);
-  if (mesh != kMeshes.end()) return mesh->media_type;
-  if (output == kPoints.name) return kPoints.media_type;
-  const auto* other = std::ranges::find(kOthers, output, &OutputKind::name);
-  return other != kOthers.end() ? other->media_type : std::string_view();
+std::vector<std::string> split_list(std::string_view list) {
+  std::vector<std::string> entries;
+  while (!list.empty()) {
+    const std::string_view entry = list.substr(0, list.find(','));
+    list.remove_prefix(std::min(list.size(), entry.size() + 1));
+    if (!entry.empty()) entries.emplace_back(entry);
+  }
+  return entries;
 }
+
+Result<std::vector<std::string>> read_labels(std::string_view list) { return checked_labels(split_list(list)); }
 
 Result<std::string> single(const http::Query& query, std::string_view name) {
   std::string value;
@@ -140,7 +208,7 @@ Result<double> number_within(std::string_view name, std::string_view text, doubl
                                                  " to " + nlohmann::json(most).dump()};
 }
 
-Result<Submission> read_submission(const http::Query& query, Door door, std::chrono::seconds default_ttl) {
+Result<Submission> read_submission(const http::Query& query, Door door, const SubmissionRules& rules) {
   if (Status taken = refuse_reserved(query, door); !taken.ok()) return taken.error();
   const auto id = single(query, "method");
   if (!id) return id.error();
@@ -148,21 +216,39 @@ Result<Submission> read_submission(const http::Query& query, Door door, std::chr
   if (!method) return method.error();
   auto parameters = parameters_from_text(**method, method_parameters(query));
   if (!parameters) return std::move(parameters).error();
-  auto mesh = wanted_mesh(query, door);
-  if (!mesh) return std::move(mesh).error();
-  Submission submission{(*method)->id, std::move(*parameters), {std::move(*mesh)}, default_ttl};
-  const auto points = wants_points(query, door, **method);
-  if (!points) return points.error();
-  if (*points) submission.outputs.emplace_back(kPoints.name);
-  for (const OutputKind& kind : kOthers) submission.outputs.emplace_back(kind.name);
-  const auto ttl = single(query, "ttl_seconds");
-  if (!ttl) return ttl.error();
-  if (!ttl->empty()) {
-    const auto seconds = number_within("ttl_seconds", *ttl, kShortestTtl, kLongestTtl);
-    if (!seconds) return seconds.error();
-    submission.ttl = std::chrono::seconds(static_cast<std::int64_t>(*seconds));
-  }
+  auto outputs = wanted_outputs(query, door, **method);
+  if (!outputs) return std::move(outputs).error();
+  Submission submission{(*method)->id, std::move(*parameters), std::move(*outputs), rules.ttl};
+  if (Status extras = read_query_extras(query, rules, submission); !extras.ok()) return extras.error();
   return submission;
+}
+
+Result<Submission> read_submission(const Json& body, const SubmissionRules& rules) {
+  if (Status known = check_fields(body); !known.ok()) return known.error();
+  const auto id = text_field(body, "method");
+  if (!id) return id.error();
+  const auto method = find_method(id->empty() ? methods().front().id : *id);
+  if (!method) return method.error();
+  auto parameters = parameters_field(body, **method);
+  if (!parameters) return std::move(parameters).error();
+  const auto names = texts_field(body, "outputs");
+  if (!names) return names.error();
+  auto outputs = outputs_for(*names, **method);
+  if (!outputs) return std::move(outputs).error();
+  const auto ttl = ttl_field(body, rules.ttl);
+  if (!ttl) return ttl.error();
+  auto texts = texts_field(body, "labels");
+  if (!texts) return std::move(texts).error();
+  auto labels = checked_labels(std::move(*texts));
+  if (!labels) return std::move(labels).error();
+  auto url = text_field(body, "webhook");
+  if (!url) return std::move(url).error();
+  auto webhook = checked_webhook(std::move(*url), rules);
+  if (!webhook) return std::move(webhook).error();
+  auto cloud = text_field(body, "cloud_id");
+  if (!cloud) return std::move(cloud).error();
+  return Submission{(*method)->id,      std::move(*parameters), std::move(*outputs), *ttl,
+                    std::move(*labels), std::move(*webhook),    std::move(*cloud)};
 }
 
 }  // namespace surfaced::api

@@ -25,6 +25,9 @@ class Upload {
   virtual Status write(std::span<const std::byte> bytes) = 0;
   virtual std::uint64_t bytes() const = 0;
 
+  /// SHA-256 of what was written; nothing can be written after it.
+  virtual const std::string& sha256() = 0;
+
   /// Keeps the cloud under this key; it is durable when the call returns.
   virtual Result<StoredInput> commit(std::string_view key) = 0;
 };
@@ -67,7 +70,13 @@ class ArtifactStore {
   /// Drops the attempt's directory, and what it may have published.
   virtual void discard(const Claim& claim) = 0;
 
+  /// A published output as a local file, for a child to read.
+  virtual Result<std::filesystem::path> output_file(const Claim& claim, std::string_view name) = 0;
+
   virtual Result<std::unique_ptr<OutputReader>> open_output(const Claim& claim, std::string_view name) = 0;
+
+  /// log.txt of an attempt, published or still being written.
+  virtual Result<std::unique_ptr<OutputReader>> open_log(const Claim& claim) = 0;
 
   /// Drops inputs and outputs that no job refers to any more. What cannot be dropped now is left to `sweep`.
   virtual void remove(const Artifacts& garbage) = 0;

@@ -51,6 +51,11 @@ class FileUpload final : public Upload {
 
   std::uint64_t bytes() const override { return bytes_; }
 
+  const std::string& sha256() override {
+    if (digest_.empty()) digest_ = sha_.finish();
+    return digest_;
+  }
+
   Result<StoredInput> commit(std::string_view key) override {
     if (::fsync(fd_.get()) != 0) return system_error("store the upload", errno);
     const fs::path target = inputs_ / key;
@@ -58,7 +63,7 @@ class FileUpload final : public Upload {
     temporary_ = target;
     if (Status synced = sync_directory(inputs_); !synced.ok()) return synced.error();
     temporary_.clear();
-    return StoredInput{std::string(key), bytes_, sha_.finish()};
+    return StoredInput{std::string(key), bytes_, sha256()};
   }
 
  private:
@@ -68,6 +73,7 @@ class FileUpload final : public Upload {
   fs::path inputs_;
   SpaceCheck check_space_;
   Sha256 sha_;
+  std::string digest_;
   std::uint64_t bytes_ = 0;
   std::uint64_t next_look_ = kBytesBetweenLooks;
 };
@@ -167,12 +173,26 @@ class FileArtifactStore final : public ArtifactStore {
     remove_tree(outputs_ / directory_of(claim));
   }
 
+  Result<fs::path> output_file(const Claim& claim, std::string_view name) override {
+    return outputs_ / directory_of(claim) / name;
+  }
+
   Result<std::unique_ptr<OutputReader>> open_output(const Claim& claim, std::string_view name) override {
     auto fd = open_regular(outputs_ / directory_of(claim) / name);
     if (!fd) return fd.error();
     const auto size = file_size(fd->get());
     if (!size) return size.error();
     return std::unique_ptr<OutputReader>(std::make_unique<FileReader>(std::move(*fd), *size));
+  }
+
+  Result<std::unique_ptr<OutputReader>> open_log(const Claim& claim) override {
+    // It moves from the one place to the other when the attempt ends.
+    for (const fs::path* const place : {&attempts_, &outputs_}) {
+      auto fd = open_regular(*place / directory_of(claim) / "log.txt");
+      if (fd) return std::unique_ptr<OutputReader>(std::make_unique<FileReader>(std::move(*fd), 0));
+    }
+    return Error{ErrorCode::output_not_found,
+                 "job " + claim.job + " has no log of attempt " + std::to_string(claim.attempt)};
   }
 
   void remove(const Artifacts& garbage) override {

@@ -15,7 +15,10 @@ void add_measure(CLI::App& app, Run& run);
 void add_methods(CLI::App& app, Run& run);
 void add_serve(CLI::App& app, Run& run);
 void add_check_config(CLI::App& app, Run& run);
+void add_keys(CLI::App& app, Run& run);
 /// Hidden: what the server starts for every attempt at a job.
 void add_attempt(CLI::App& app, Run& run);
+/// Hidden: what the server starts to look at a stored cloud, and to encode a mesh anew.
+void add_side_tasks(CLI::App& app, Run& run);
 
 }  // namespace surfaced

@@ -12,11 +12,10 @@
 #include <memory>
 #include <thread>
 
-#include "api/job_service.hpp"
-#include "api/routes.hpp"
 #include "artifacts/file_artifact_store.hpp"
 #include "artifacts/orphans.hpp"
 #include "command/command.hpp"
+#include "command/doors.hpp"
 #include "command/problem.hpp"
 #include "config/serve_options.hpp"
 #include "http/router.hpp"
@@ -124,7 +123,7 @@ void remove_expired(JobStore& jobs, ArtifactStore& artifacts) {
   for (;;) {
     const auto garbage = jobs.expire();
     if (!garbage) log(LogLevel::error, "cannot remove expired jobs", {{"detail", garbage.error().detail}});
-    if (!garbage || garbage->inputs.empty()) return;
+    if (!garbage || (garbage->inputs.empty() && garbage->outputs.empty())) return;
     artifacts.remove(*garbage);
     log(LogLevel::info, "removed expired jobs", {{"jobs", garbage->inputs.size()}});
   }
@@ -177,22 +176,23 @@ class Service {
         jobs_(std::move(jobs)),
         artifacts_(std::move(artifacts)),
         scheduler_(*jobs_, *artifacts_, events_, runner_, scheduler_options()),
-        service_(*jobs_, *artifacts_, events_, scheduler_),
-        orphans_(*jobs_, *artifacts_) {
-    api::add_routes(router_, service_,
-                    {std::chrono::seconds(settings.wait_limit), std::chrono::seconds(settings.ttl),
-                     [this] { return metrics_.text(gauges()); }});
-  }
+        orphans_(*jobs_, *artifacts_) {}
 
   Status start() {
     const auto address = http::parse_address(settings_.listen);
     if (!address) return address.error();
+    if (Status known = check_exposure(settings_, address->host); !known.ok()) return known;
+    auto doors = Doors::open({*jobs_, *artifacts_, events_, scheduler_, attempt_limits(settings_)}, settings_);
+    if (!doors) return std::move(doors).error();
+    doors_ = std::move(*doors);
+    doors_->hang(router_, [this] { return metrics_.text(gauges()); });
     auto server = http::Server::listen(*address, server_limits(settings_), router_,
                                        [this](const http::Exchange& answered) { tell_of_request(metrics_, answered); });
     if (!server) return server.error();
     server_ = std::move(*server);
     if (Status recovered = recover(*jobs_, *artifacts_); !recovered.ok()) return recovered;
     scheduler_.start();
+    doors_->start();
     server_->start();
     std::cout << "surfaced " << version() << " listening on " << server_->url() << std::endl;
     log(LogLevel::info, "listening", {{"url", server_->url()}, {"version", version()}});
@@ -204,6 +204,7 @@ class Service {
   void run(const StopSignals& signals) {
     for (unsigned sweeps = 1; !signals.wait(kSecondsBetweenSweeps); ++sweeps) {
       remove_expired(*jobs_, *artifacts_);
+      doors_->sweep();
       if (sweeps % kSweepsBetweenOrphans == 0) remove_orphans(orphans_);
     }
   }
@@ -213,10 +214,11 @@ class Service {
   void stop() {
     log(LogLevel::info, "stopping");
     tell_service_manager("STOPPING=1");
-    service_.drain();
+    doors_->service().drain();
     const auto listen_until = std::chrono::steady_clock::now() + std::chrono::seconds(settings_.drain_delay);
     scheduler_.drain(std::chrono::seconds(settings_.drain_time));
     std::this_thread::sleep_until(listen_until);
+    doors_->stop();
     server_->stop(kGraceOfAnswers);
     log(LogLevel::info, "stopped");
   }
@@ -242,7 +244,7 @@ class Service {
     gauges.connections_turned_away = state.turned_away;
     gauges.free_bytes = artifacts_->free_bytes();
     gauges.resident_bytes = resident_memory();
-    gauges.ready = service_.ready().ok();
+    gauges.ready = doors_->service().ready().ok();
     return gauges;
   }
 
@@ -253,8 +255,8 @@ class Service {
   const std::unique_ptr<JobStore> jobs_;
   const std::unique_ptr<ArtifactStore> artifacts_;
   Scheduler scheduler_;
-  api::JobService service_;
   OrphanSweep orphans_;
+  std::unique_ptr<Doors> doors_;
   http::Router router_;
   std::unique_ptr<http::Server> server_;
 };

@@ -14,48 +14,70 @@ constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 60;
 using S = Settings;
 
 const auto kTable = std::to_array<Setting>({
-    {"listen", Unit::text, "", 0, 0, "Address to listen on, HOST:PORT; port 0 takes a free one", &S::listen},
-    {"data", Unit::path, "", 0, 0, "Folder of the job store and all files, on a local disk; one server at a time",
-     &S::data},
-    {"log-format", Unit::text, "text|json", 0, 0, "Lines of the log on standard error", &S::log_format},
-    {"log-level", Unit::text, "debug|info|warning|error", 0, 0, "What is worth a line", &S::log_level},
-    {"workers", Unit::count, "", 0, 1024, "Jobs that run at once; 0: as many as cores", &S::workers},
-    {"threads-per-job", Unit::count, "", 0, 1024, "Threads a job may use; 0: all cores", &S::threads_per_job},
-    {"job-time-limit", Unit::seconds, "", 1, 30 * kDay, "Time a job may run", &S::job_time_limit},
-    {"job-memory", Unit::bytes, "", 0, kMaxBytes,
+    {"listen", SettingUnit::text, "", 0, 0, "Address to listen on, HOST:PORT; port 0 takes a free one", &S::listen},
+    {"data", SettingUnit::path, "", 0, 0,
+     "Folder of the job store and all files, on a local disk; one server at a time", &S::data},
+    {"log-format", SettingUnit::text, "text|json", 0, 0, "Lines of the log on standard error", &S::log_format},
+    {"log-level", SettingUnit::text, "debug|info|warning|error", 0, 0, "What is worth a line", &S::log_level},
+    {"workers", SettingUnit::count, "", 0, 1024, "Jobs that run at once; 0: as many as cores", &S::workers},
+    {"threads-per-job", SettingUnit::count, "", 0, 1024, "Threads a job may use; 0: all cores", &S::threads_per_job},
+    {"job-time-limit", SettingUnit::seconds, "", 1, 30 * kDay, "Time a job may run", &S::job_time_limit},
+    {"job-memory", SettingUnit::bytes, "", 0, kMaxBytes,
      "Memory a job may use; 0: three quarters of the machine's over the workers", &S::job_memory},
-    {"job-output", Unit::bytes, "", 1 << 20, kMaxBytes, "Size of any file that a job writes", &S::job_output},
-    {"max-points", Unit::count, "", 1, 4'000'000'000, "Points a cloud may have", &S::max_points},
-    {"queue-limit", Unit::count, "", 1, 1'000'000, "Jobs that may wait; more are answered 503", &S::queue_limit},
-    {"ttl", Unit::seconds, "", 1, 365 * kDay, "Time that a job and its files are kept after its end", &S::ttl},
-    {"gone-time", Unit::seconds, "", 0, 365 * kDay, "Time that the id of a removed job answers 410", &S::gone_time},
-    {"lease", Unit::seconds, "", 3, 3600, "Silence after which a running job counts as lost", &S::lease},
-    {"minimum-free", Unit::bytes, "", 0, kMaxBytes,
+    {"job-output", SettingUnit::bytes, "", 1 << 20, kMaxBytes, "Size of any file that a job writes", &S::job_output},
+    {"max-points", SettingUnit::count, "", 1, 4'000'000'000, "Points a cloud may have", &S::max_points},
+    {"queue-limit", SettingUnit::count, "", 1, 1'000'000, "Jobs that may wait; more are answered 503", &S::queue_limit},
+    {"ttl", SettingUnit::seconds, "", 1, 365 * kDay, "Time that a job and its files are kept after its end", &S::ttl},
+    {"gone-time", SettingUnit::seconds, "", 0, 365 * kDay, "Time that the id of a removed job answers 410",
+     &S::gone_time},
+    {"lease", SettingUnit::seconds, "", 3, 3600, "Silence after which a running job counts as lost", &S::lease},
+    {"minimum-free", SettingUnit::bytes, "", 0, kMaxBytes,
      "Space under the data folder that stays free; clouds that would use it are answered 507", &S::minimum_free},
-    {"wait-limit", Unit::seconds, "", 0, 600, "Time that /v1/reconstruct waits for the mesh", &S::wait_limit},
-    {"body-limit", Unit::bytes, "", 1, kMaxBytes, "Size of a request's body; more is answered 413", &S::body_limit},
-    {"body-grace", Unit::seconds, "", 1, 3600, "Time that a body or an answer may take before its pace counts",
+    {"wait-limit", SettingUnit::seconds, "", 0, 600, "Time that /v1/reconstruct waits for the mesh", &S::wait_limit},
+    {"body-limit", SettingUnit::bytes, "", 1, kMaxBytes, "Size of a request's body; more is answered 413",
+     &S::body_limit},
+    {"body-grace", SettingUnit::seconds, "", 1, 3600, "Time that a body or an answer may take before its pace counts",
      &S::body_grace},
-    {"body-rate", Unit::bytes_per_second, "", 1, kMaxBytes,
+    {"body-rate", SettingUnit::bytes_per_second, "", 1, kMaxBytes,
      "Pace that a client must keep up with after that; slower ones are answered 408 or cut off", &S::body_rate},
-    {"header-limit", Unit::bytes, "", 1024, 1 << 20, "Size of a request's line and headers; more is answered 431",
-     &S::header_limit},
-    {"header-time", Unit::seconds, "", 1, 600, "Time in which the headers have to arrive, or 408", &S::header_time},
-    {"idle-time", Unit::seconds, "", 1, 3600, "Time that a connection may be silent between two requests",
+    {"header-limit", SettingUnit::bytes, "", 1024, 1 << 20,
+     "Size of a request's line and headers; more is answered 431", &S::header_limit},
+    {"header-time", SettingUnit::seconds, "", 1, 600, "Time in which the headers have to arrive, or 408",
+     &S::header_time},
+    {"idle-time", SettingUnit::seconds, "", 1, 3600, "Time that a connection may be silent between two requests",
      &S::idle_time},
-    {"connections", Unit::count, "", 2, 100'000,
+    {"connections", SettingUnit::count, "", 2, 100'000,
      "Connections at once; beyond, the longest silent one is closed, or the new one answered 503", &S::connections},
-    {"requests-per-connection", Unit::count, "", 1, 1'000'000, "Requests after which a connection is closed",
+    {"requests-per-connection", SettingUnit::count, "", 1, 1'000'000, "Requests after which a connection is closed",
      &S::requests_per_connection},
-    {"http-threads", Unit::count, "", 2, 1024, "Requests that are worked on at once; those that wait do not count",
-     &S::http_threads},
-    {"bodies", Unit::count, "", 1, 1023,
+    {"http-threads", SettingUnit::count, "", 2, 1024,
+     "Requests that are worked on at once; those that wait do not count", &S::http_threads},
+    {"bodies", SettingUnit::count, "", 1, 1023,
      "Bodies that are received at once, fewer than http-threads; more are answered 503", &S::bodies},
-    {"bodies-per-client", Unit::count, "", 0, 1023,
+    {"bodies-per-client", SettingUnit::count, "", 0, 1023,
      "Of these, from one address that is not loopback; more are answered 429; 0: no limit", &S::bodies_per_client},
-    {"drain-time", Unit::seconds, "", 0, 3600, "Time that running jobs get when the server stops", &S::drain_time},
-    {"drain-delay", Unit::seconds, "", 0, 600,
+    {"drain-time", SettingUnit::seconds, "", 0, 3600, "Time that running jobs get when the server stops",
+     &S::drain_time},
+    {"drain-delay", SettingUnit::seconds, "", 0, 600,
      "Time between /readyz saying 503 and the end of listening, for load balancers", &S::drain_delay},
+    {"keys", SettingUnit::path, "", 0, 0, "File of API keys, made by `surfaced keys`; none: nobody needs one",
+     &S::keys},
+    {"allow-anonymous", SettingUnit::text, "yes|no", 0, 0, "Listen on a public address although there are no keys",
+     &S::allow_anonymous},
+    {"rate-limit", SettingUnit::count, "", 0, 1'000'000,
+     "Requests a minute of a client without a key, by address; 0: no limit, as on loopback", &S::rate_limit},
+    {"cors-origins", SettingUnit::text, "", 0, 0, "Origins whose pages may call, separated by commas, or *; none: none",
+     &S::cors_origins},
+    {"trusted-proxies", SettingUnit::text, "", 0, 0, "Addresses whose X-Forwarded-For is believed, separated by commas",
+     &S::trusted_proxies},
+    {"upload-time", SettingUnit::seconds, "", 1, 30 * kDay, "Time that an upload is kept without progress",
+     &S::upload_time},
+    {"webhook-secret", SettingUnit::path, "", 0, 0, "File of the key that signs webhooks; none: no webhooks",
+     &S::webhook_secret},
+    {"webhook-private", SettingUnit::text, "yes|no", 0, 0, "Send webhooks to private addresses too",
+     &S::webhook_private},
+    {"webhook-certificates", SettingUnit::path, "", 0, 0,
+     "Certificates that webhooks are checked against; none: those of the system", &S::webhook_certificates},
 });
 
 struct Suffix {
@@ -78,31 +100,31 @@ constexpr auto kSuffixes = std::to_array<Suffix>({{"tib", 40},
                                                   {"b", 0}});
 
 /// A number with the unit's suffix, or none.
-std::optional<std::uint64_t> number_in(Unit unit, std::string_view text) {
+std::optional<std::uint64_t> number_in(SettingUnit unit, std::string_view text) {
   std::uint64_t value = 0;
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failed != std::errc()) return std::nullopt;
   std::string rest(end, text.data() + text.size());
   std::erase(rest, ' ');
   std::ranges::transform(rest, rest.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (rest.empty() || (unit == Unit::seconds && rest == "s")) return value;
-  if (unit != Unit::bytes && unit != Unit::bytes_per_second) return std::nullopt;
+  if (rest.empty() || (unit == SettingUnit::seconds && rest == "s")) return value;
+  if (unit != SettingUnit::bytes && unit != SettingUnit::bytes_per_second) return std::nullopt;
   if (rest.ends_with("/s")) rest.resize(rest.size() - 2);
   const auto* suffix = std::ranges::find(kSuffixes, rest, &Suffix::name);
   if (suffix == kSuffixes.end() || value > (kMaxBytes >> suffix->shift)) return std::nullopt;
   return value << suffix->shift;
 }
 
-std::string with_unit(Unit unit, std::uint64_t value) {
-  if (unit == Unit::seconds) return std::to_string(value) + " s";
-  if (unit == Unit::count) return std::to_string(value);
+std::string with_unit(SettingUnit unit, std::uint64_t value) {
+  if (unit == SettingUnit::seconds) return std::to_string(value) + " s";
+  if (unit == SettingUnit::count) return std::to_string(value);
   constexpr auto kNames = std::to_array<std::string_view>({"B", "KiB", "MiB", "GiB", "TiB"});
   std::size_t step = 0;
   while (step + 1 < kNames.size() && value >= 1024 && value % 1024 == 0) {
     value /= 1024;
     ++step;
   }
-  return std::to_string(value) + " " + std::string(kNames.at(step)) + (unit == Unit::bytes ? "" : "/s");
+  return std::to_string(value) + " " + std::string(kNames.at(step)) + (unit == SettingUnit::bytes ? "" : "/s");
 }
 
 bool is_choice(std::string_view choices, std::string_view value) {
@@ -134,8 +156,8 @@ std::string shown(const Setting& setting, const Settings& settings) {
 }
 
 std::string allowed(const Setting& setting) {
-  if (setting.unit == Unit::text) return setting.choices.empty() ? "any text" : std::string(setting.choices);
-  if (setting.unit == Unit::path) return "a path";
+  if (setting.unit == SettingUnit::text) return setting.choices.empty() ? "any text" : std::string(setting.choices);
+  if (setting.unit == SettingUnit::path) return "a path";
   return with_unit(setting.unit, setting.least) + " to " + with_unit(setting.unit, setting.most);
 }
 

@@ -12,13 +12,13 @@
 
 namespace surfaced {
 
-enum class Unit : std::uint8_t { text, path, count, bytes, seconds, bytes_per_second };
+enum class SettingUnit : std::uint8_t { text, path, count, bytes, seconds, bytes_per_second };
 
 /// One line of the table: what can be set, in what unit, within what bounds, and what it is for.
 struct Setting {
   /// As a flag without its dashes, and as a key of the file; SURFACED_NAME_IN_CAPITALS in the environment.
   std::string_view name;
-  Unit unit = Unit::count;
+  SettingUnit unit = SettingUnit::count;
   /// For texts: the words that are allowed, separated by |; empty for any.
   std::string_view choices;
   std::uint64_t least = 0;

@@ -45,6 +45,21 @@ struct Settings {
   std::uint64_t drain_time = 5;
   std::uint64_t drain_delay = 0;
 
+  /// Empty: nobody needs a key.
+  std::filesystem::path keys;
+  std::string allow_anonymous = "no";
+  std::uint64_t rate_limit = 600;
+  /// Separated by commas.
+  std::string cors_origins;
+  /// Separated by commas.
+  std::string trusted_proxies;
+  std::uint64_t upload_time = std::uint64_t{24} * 3600;
+  /// Empty: no webhooks.
+  std::filesystem::path webhook_secret;
+  std::string webhook_private = "no";
+  /// Empty: those of the system.
+  std::filesystem::path webhook_certificates;
+
   /// Puts numbers in the place of the zeros above.
   void resolve();
 };

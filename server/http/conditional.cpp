@@ -4,6 +4,7 @@
 #include <string>
 
 #include "http/problem.hpp"
+#include "platform/base64.hpp"
 
 namespace surfaced::http {
 namespace {
@@ -69,10 +70,22 @@ Result<std::optional<ByteRange>> requested_range(const Headers& headers, std::st
   return std::optional(ByteRange{first, end - first});
 }
 
+std::string digest_field(std::string_view sha256_hex) {
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < sha256_hex.size(); i += 2) {
+    unsigned byte = 0;
+    std::from_chars(sha256_hex.data() + i, sha256_hex.data() + i + 2, byte, 16);
+    bytes += static_cast<char>(byte);
+  }
+  return "sha-256=:" + base64_encode(bytes) + ":";
+}
+
 Response conditional_response(const Request& request, std::string_view etag, std::string content_type,
                               BodyStream body) {
   const std::uint64_t size = body.length;
-  const auto range = requested_range(request.headers, etag, size);
+  // Only GET has ranges (RFC 9110 §14.2).
+  const auto range = request.method == "GET" ? requested_range(request.headers, etag, size)
+                                             : Result<std::optional<ByteRange>>(std::optional<ByteRange>());
   Response response;
   response.content_type = std::move(content_type);
   if (not_modified(request.headers, etag)) {

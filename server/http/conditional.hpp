@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "base/base.hpp"
@@ -21,6 +22,9 @@ bool not_modified(const Headers& headers, std::string_view etag);
 /// If-Range that does not match, with a Range that is malformed or of several parts (RFC 9110 lets a
 /// server ignore those). range_not_satisfiable if the range begins behind the end.
 Result<std::optional<ByteRange>> requested_range(const Headers& headers, std::string_view etag, std::uint64_t size);
+
+/// Value of Repr-Digest (RFC 9530) for a SHA-256 in hexadecimal digits.
+std::string digest_field(std::string_view sha256_hex);
 
 /// Answers GET or HEAD of a representation with a strong ETag: 200, 206, 304, or 416.
 Response conditional_response(const Request& request, std::string_view etag, std::string content_type, BodyStream body);

@@ -163,7 +163,8 @@ void finish_headers(httplib::Response& to) {
     to.headers.erase("Content-Length");
     to.set_header("Content-Length", std::to_string(stream->length));
   }
-  if (to.status == 304 || to.status == 204) to.headers.erase("Content-Length");
+  if (current->response.feed) to.set_header("Connection", "close");
+  if (to.status == 304 || to.status == 204 || current->response.feed) to.headers.erase("Content-Length");
 }
 
 /// The request as the library sees it: enough to find the body's end and to leave the body of an
@@ -185,6 +186,10 @@ std::string head_for_library(const RequestHead& head) {
 void take_answer(Exchange& exchange, Use& use, GuardedStream& stream) {
   exchange.status = use.response.status;
   exchange.bytes = stream.take_written();
+  if (use.response.feed) {
+    exchange.after = After::close;
+    if (exchange.request.method != "HEAD") exchange.feed = use.response.feed;
+  }
   auto* body = std::get_if<BodyStream>(&use.response.body);
   if (body != nullptr && body->length > 0 && exchange.request.method != "HEAD") exchange.stream = std::move(*body);
 }

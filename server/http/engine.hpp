@@ -32,6 +32,7 @@ struct Exchange {
   int status = 0;
   std::string bytes;
   std::optional<BodyStream> stream;
+  std::shared_ptr<const Feed> feed;
   /// When both are written.
   After after = After::close;
   std::chrono::steady_clock::time_point began;

@@ -23,6 +23,8 @@ namespace surfaced::http {
 class Headers {
  public:
   void add(std::string name, std::string value) { fields_.emplace_back(std::move(name), std::move(value)); }
+  /// In place of what fields of this name there are.
+  void set(std::string name, std::string value);
   /// The first field of this name.
   std::optional<std::string_view> find(std::string_view name) const;
   std::size_t count(std::string_view name) const;
@@ -57,6 +59,17 @@ class BodySource {
 
 using Query = std::vector<std::pair<std::string, std::string>>;
 
+/// Who sends a request, as the gate of the router has found out.
+struct Caller {
+  /// Id of the key; empty if the server has no keys.
+  std::string id;
+  /// Sees what belongs to others.
+  bool all = true;
+
+  /// The owner whose things the caller may see; none for everybody's.
+  std::optional<std::string> owner() const { return all ? std::nullopt : std::optional(id); }
+};
+
 struct Request {
   std::string method;
   /// As it was sent, without the query.
@@ -68,6 +81,7 @@ struct Request {
   std::map<std::string, std::string, std::less<>> path_parts;
   std::string remote_address;
   std::string request_id;
+  Caller caller;
   /// Pattern of the route that was taken; empty if there is none.
   std::string route;
   /// Gone once the handler has returned.
@@ -81,6 +95,7 @@ struct BodyStream {
 };
 
 struct Later;
+struct Feed;
 
 struct Response {
   int status = 200;
@@ -89,6 +104,27 @@ struct Response {
   std::variant<std::string, BodyStream> body;
   /// Set if the answer is not known yet: then nothing else here counts.
   std::shared_ptr<const Later> later;
+  /// Set if the body comes bit by bit, and its end with that of the connection; `body` is then empty.
+  std::shared_ptr<const Feed> feed;
+};
+
+/// A body without a known length, of which the client gets each piece as soon as it is there. The request holds no
+/// thread between two pieces.
+struct Feed {
+  struct Piece {
+    std::string bytes;
+    /// There is more already.
+    bool more = false;
+    /// Nothing follows.
+    bool end = false;
+  };
+  /// `next` is called at least this often.
+  std::chrono::milliseconds interval{15'000};
+  /// As in Later.
+  std::function<std::shared_ptr<void>(std::function<void()> wake)> subscribe;
+  /// What is to be sent now. Called once at the beginning, after every wake and every interval, and, with `last`, when
+  /// the server stops. Never by two threads at once.
+  std::function<Piece(bool last)> next;
 };
 
 /// An answer that is waited for. The request holds no thread meanwhile.

@@ -1,6 +1,7 @@
 #include "http/request_head.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 
 namespace surfaced::http {
@@ -39,25 +40,6 @@ std::size_t sequence_length(unsigned char first) {
   if (first >= 0xC2 && first < 0xE0) return 2;
   if (first >= 0xE0 && first < 0xF0) return 3;
   return first >= 0xF0 && first < 0xF5 ? 4 : 0;
-}
-
-/// As Unicode defines it: no overlong forms, no surrogates, nothing above U+10FFFF.
-bool is_utf8(std::string_view text) {
-  while (!text.empty()) {
-    const auto first = static_cast<unsigned char>(text.front());
-    const std::size_t length = sequence_length(first);
-    if (length == 0 || length > text.size()) return false;
-    for (std::size_t i = 1; i < length; ++i) {
-      if ((static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) return false;
-    }
-    const auto second = length > 1 ? static_cast<unsigned char>(text[1]) : 0U;
-    if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) || (first == 0xF0 && second < 0x90) ||
-        (first == 0xF4 && second > 0x8F)) {
-      return false;
-    }
-    text.remove_prefix(length);
-  }
-  return true;
 }
 
 Status read_request_line(std::string_view line, RequestHead& head) {
@@ -120,6 +102,24 @@ Status read_framing(RequestHead& head) {
 
 }  // namespace
 
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const auto first = static_cast<unsigned char>(text.front());
+    const std::size_t length = sequence_length(first);
+    if (length == 0 || length > text.size()) return false;
+    for (std::size_t i = 1; i < length; ++i) {
+      if ((static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) return false;
+    }
+    const auto second = length > 1 ? static_cast<unsigned char>(text[1]) : 0U;
+    if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) || (first == 0xF0 && second < 0x90) ||
+        (first == 0xF4 && second > 0x8F)) {
+      return false;
+    }
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
 Result<RequestHead> parse_head(std::string_view text) {
   RequestHead head;
   if (Status read = read_request_line(take_line(text), head); !read.ok()) return read.error();
@@ -134,6 +134,23 @@ Result<RequestHead> parse_head(std::string_view text) {
   const auto expect = head.headers.find("Expect");
   head.expects_continue = expect && same_name(*expect, "100-continue");
   return head;
+}
+
+std::string percent_encode(std::string_view text) {
+  constexpr std::string_view kPlain = "-._~";
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string encoded;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0 || kPlain.find(c) != kPlain.npos) {
+      encoded += c;
+    } else {
+      encoded += '%';
+      encoded += kDigits[byte >> 4U];
+      encoded += kDigits[byte & 0xFU];
+    }
+  }
+  return encoded;
 }
 
 Result<std::string> percent_decode(std::string_view text, bool plus_is_space) {

@@ -42,6 +42,12 @@ Result<RequestHead> parse_head(std::string_view text);
 /// or bytes that are no UTF-8.
 Result<std::string> percent_decode(std::string_view text, bool plus_is_space);
 
+/// %XX for everything but letters, digits and -._~.
+std::string percent_encode(std::string_view text);
+
+/// As Unicode defines it: no overlong forms, no surrogates, nothing above U+10FFFF.
+bool is_utf8(std::string_view text);
+
 /// Decodes a=b&c=d.
 Result<Query> parse_query(std::string_view text);
 

@@ -1,6 +1,7 @@
 #include "http/router.hpp"
 
 #include <exception>
+#include <memory>
 #include <new>
 
 #include "http/problem.hpp"
@@ -38,13 +39,33 @@ void Router::add(std::string method, std::string_view pattern, Handler handler) 
 
 Response Router::handle(Request& request) const {
   try {
-    return dispatch(request);
+    return guarded(request);
   } catch (const std::bad_alloc&) {
     return problem_response({ErrorCode::not_ready, "the server is short of memory"}, request);
   } catch (const std::exception& failure) {
     log(LogLevel::error, "a handler failed", {{"request_id", request.request_id}, {"detail", failure.what()}});
     return problem_response({ErrorCode::internal_error, "the request could not be answered"}, request);
   }
+}
+
+Response Router::guarded(Request& request) const {
+  if (gate_ == nullptr) return dispatch(request);
+  auto preflight = gate_->preflight(request);
+  Response response = preflight ? std::move(*preflight) : dispatch(request);
+  if (!response.later) {
+    gate_->decorate(request, response);
+    return response;
+  }
+  auto later = std::make_shared<Later>(*response.later);
+  Request asked = request;
+  asked.body = nullptr;
+  later->look = [look = std::move(later->look), asked = std::move(asked), gate = gate_](bool last) {
+    auto known = look(last);
+    if (known) gate->decorate(asked, *known);
+    return known;
+  };
+  response.later = std::move(later);
+  return response;
 }
 
 Response Router::dispatch(Request& request) const {
@@ -63,6 +84,9 @@ Response Router::dispatch(Request& request) const {
       auto decoded = percent_decode(parts[i], false);
       if (!decoded) return problem_response(decoded.error(), request);
       request.path_parts[route.parts[i].substr(1, route.parts[i].size() - 2)] = std::move(*decoded);
+    }
+    if (gate_ != nullptr) {
+      if (auto refused = gate_->refuse(request, route.pattern)) return std::move(*refused);
     }
     return route.handler(request);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,11 +12,30 @@ namespace surfaced::http {
 
 using Handler = std::function<Response(Request&)>;
 
+/// What stands between the routing and every handler.
+class Gate {
+ public:
+  Gate() = default;
+  Gate(const Gate&) = delete;
+  Gate& operator=(const Gate&) = delete;
+  virtual ~Gate() = default;
+
+  /// The answer to a preflight request of a browser; none if the request is none.
+  virtual std::optional<Response> preflight(const Request& request) const = 0;
+  /// Why the handler is not called, if it is not; fills in the caller.
+  virtual std::optional<Response> refuse(Request& request, std::string_view route) = 0;
+  /// Adds to every answer what browsers need.
+  virtual void decorate(const Request& request, Response& response) const = 0;
+};
+
 /// Finds the handler of a request by its method and path. A handler for GET answers HEAD too.
 class Router {
  public:
   /// @param pattern  path whose parts in braces match one part each: /v1/jobs/{id}
   void add(std::string method, std::string_view pattern, Handler handler);
+
+  /// From now on every request passes it. It has to outlive the router.
+  void guard(Gate& gate) { gate_ = &gate; }
 
   /// Calls the handler, or answers not_found, or method_not_allowed with Allow. Whatever a handler throws
   /// becomes an internal_error that says nothing of it.
@@ -29,7 +49,9 @@ class Router {
     Handler handler;
   };
   Response dispatch(Request& request) const;
+  Response guarded(Request& request) const;
   std::vector<Route> routes_;
+  Gate* gate_ = nullptr;
 };
 
 }  // namespace surfaced::http

@@ -41,7 +41,7 @@ Session::Clock::time_point Session::deadline() const {
     case State::head:
       return connection_.head_deadline();
     case State::waiting:
-      return exchange_.later->deadline;
+      return exchange_.feed ? next_piece_ : exchange_.later->deadline;
     case State::writing:
       return connection_.transfer_deadline();
     default:
@@ -70,7 +70,7 @@ Session::Step Session::advance() {
 
 Session::Step Session::overdue() {
   if (state_ == State::waiting) {
-    last_look_ = true;
+    last_look_ = !exchange_.feed;
     return Step::ready;
   }
   if (state_ != State::head) return Step::over;
@@ -81,6 +81,16 @@ Session::Step Session::overdue() {
 }
 
 Session::Step Session::work(Engine& engine, const std::function<void(std::uint64_t)>& ring, bool stopping) {
+  if (state_ == State::waiting && exchange_.feed) {
+    // The ring may come from the subscription itself, which the first piece begins.
+    if (!subscription_) {
+      subscription_ = exchange_.feed->subscribe([ring, id = id_, rung = rung_] {
+        rung->store(true);
+        ring(id);
+      });
+    }
+    return feed_on(stopping);
+  }
   if (state_ == State::waiting) {
     last_look_ |= stopping;
   } else {
@@ -147,7 +157,29 @@ Session::Step Session::write_on() {
   return after_writing();
 }
 
+Session::Step Session::feed_on(bool stopping) {
+  rung_->store(false);
+  Feed::Piece piece = exchange_.feed->next(stopping);
+  feed_ended_ = piece.end || stopping;
+  if (piece.more) rung_->store(true);
+  exchange_.bytes = std::move(piece.bytes);
+  state_ = State::writing;
+  sent_ = 0;
+  connection_.begin_transfer();
+  return write_on();
+}
+
+Session::Step Session::await_feed() {
+  exchange_.bytes = {};
+  if (feed_ended_) return Step::over;
+  state_ = State::waiting;
+  next_piece_ = Clock::now() + exchange_.feed->interval;
+  // The first piece is there at once, and what was rung for while something was written.
+  return !subscription_ || rung() ? Step::ready : Step::waits;
+}
+
 Session::Step Session::after_writing() {
+  if (exchange_.feed) return await_feed();
   const After after = exchange_.after;
   exchange_.bytes = {};
   exchange_.stream.reset();

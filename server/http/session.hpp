@@ -16,7 +16,7 @@ namespace surfaced::http {
 ///
 ///   head --arrived--> (a thread of the pool: engine) --answer--> writing --keep--> head
 ///                          |          ^                             |---drain---> lingering --> over
-///                          '--later-> waiting                       '---close---> over
+///                          '--later-> waiting <--feed, until its end--+---close---> over
 ///
 /// It belongs to the lobby while it waits and to a thread of the pool while it is worked on; whoever has it
 /// calls `advance`, which never blocks.
@@ -67,6 +67,8 @@ class Session {
   Step begin_writing();
   Step write_on();
   Step after_writing();
+  Step feed_on(bool stopping);
+  Step await_feed();
 
   const std::uint64_t id_;
   Connection connection_;
@@ -78,6 +80,9 @@ class Session {
   std::size_t sent_ = 0;
   std::uint64_t streamed_ = 0;
   bool last_look_ = false;
+  // Of a feed.
+  Clock::time_point next_piece_;
+  bool feed_ended_ = false;
   bool answered_ = false;
   std::shared_ptr<std::atomic<bool>> rung_ = std::make_shared<std::atomic<bool>>(false);
   // Last, so that nobody wakes what is half gone.

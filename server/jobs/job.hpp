@@ -54,8 +54,8 @@ struct NewJob {
   /// As check_parameters returns them.
   nlohmann::ordered_json parameters;
   StoredInput input;
-  /// Names of the outputs to make: first the mesh, in the format of its name, then cloud.ply if it is wanted, report.json
-  /// and log.txt.
+  /// Names of the outputs to make: first the mesh, in the format of its name, then cloud.ply if it is wanted,
+  /// report.json and log.txt.
   std::vector<std::string> wanted;
   /// Of the request that made the job.
   std::string request_id;
@@ -63,6 +63,18 @@ struct NewJob {
   std::string traceparent;
   /// How long the job is kept after its end.
   std::chrono::seconds ttl{};
+  /// Id of the key that it was submitted with; empty if the server has no keys.
+  std::string owner{};
+  std::vector<std::string> labels{};
+  /// Who is told of its end; empty for nobody.
+  std::string webhook{};
+  /// What the client calls this submission, so that repeating it makes no second job; may be empty.
+  std::string idempotency_key{};
+  /// Hash of everything that the submission asks for.
+  std::string fingerprint{};
+
+  /// True if its input is a stored cloud, which other jobs may use too.
+  bool of_stored_cloud() const { return !input.key.empty() && input.key == input.sha256; }
 };
 
 /// What an attempt used.

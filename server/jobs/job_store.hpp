@@ -37,6 +37,37 @@ struct Retry {
   Artifacts garbage;
 };
 
+/// Which jobs to list, newest first.
+struct JobFilter {
+  /// Of this owner alone; none for all.
+  std::optional<std::string> owner;
+  std::optional<JobStatus> status;
+  /// Empty for any.
+  std::string method;
+  /// A job has to have all of them.
+  std::vector<std::string> labels;
+};
+
+struct JobPage {
+  std::vector<Job> jobs;
+  /// Where the next page begins; none if this is the last.
+  std::optional<std::int64_t> next;
+};
+
+/// A submission that the store has already.
+struct Replay {
+  std::string fingerprint;
+  std::string job;
+};
+
+/// What belongs to an owner.
+struct Holding {
+  /// Jobs that wait or run.
+  std::uint64_t active_jobs = 0;
+  /// Bytes of inputs, stored clouds and outputs.
+  std::uint64_t bytes = 0;
+};
+
 /// How many jobs there are now.
 struct Census {
   std::uint64_t accepted = 0;
@@ -66,8 +97,27 @@ class JobStore {
   JobStore& operator=(const JobStore&) = delete;
   virtual ~JobStore() = default;
 
-  /// Queues a job; queue_full if the limit is reached.
+  /// Queues a job, together with its idempotency key if it has one.
+  /// @return queue_full if the limit is reached; cloud_not_found if its input is a stored cloud that is gone.
   virtual Result<Job> submit(const NewJob& job) = 0;
+
+  /// What was submitted with this key before, if anything was.
+  virtual Result<std::optional<Replay>> replay(std::string_view owner, std::string_view key) = 0;
+
+  /// A page of jobs, in the order of their submission from the newest on.
+  /// @param before  `next` of the page before; none for the first
+  virtual Result<JobPage> list(const JobFilter& filter, std::size_t limit, std::optional<std::int64_t> before) = 0;
+
+  /// Whose the job is, also of one that was removed.
+  virtual Result<std::string> owner_of(std::string_view id) = 0;
+
+  /// What the owner's jobs and clouds hold.
+  virtual Result<Holding> holding_of(std::string_view owner) = 0;
+
+  /// Adds an output that was made from those of a successful job.
+  /// @param source  the attempt whose outputs it was made from; false, and nothing changed, if they are not the
+  ///                job's outputs any more
+  virtual Result<bool> add_output(const Claim& source, const Output& output) = 0;
 
   /// queue_full if `submit` would say so now.
   virtual Status check_room() = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -14,6 +15,16 @@ namespace {
 constexpr std::chrono::milliseconds kPauseAfterFailure{1000};
 /// Looking again without being told costs nothing and forgives a lost wake-up.
 constexpr std::chrono::milliseconds kPatience{5000};
+/// Those who watch a job hear of its progress no more often.
+constexpr std::chrono::milliseconds kBetweenNews{500};
+
+/// The meshes that the job wants besides the first.
+std::vector<std::string> more_meshes(const Job& job) {
+  std::vector<std::string> names;
+  std::copy_if(std::next(job.wanted.begin()), job.wanted.end(), std::back_inserter(names),
+               [](const std::string& name) { return name.starts_with("mesh."); });
+  return names;
+}
 
 /// The name under which the job wants the method's cloud; empty if it does not.
 std::string points_of(const Job& job) {
@@ -155,12 +166,17 @@ AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& st
   log->line("method " + claimed.job.method + " " + claimed.job.parameters.dump());
   log->line("input " + std::to_string(claimed.job.input.bytes) + " bytes, sha256 " + claimed.job.input.sha256);
   if (!claimed.job.traceparent.empty()) log->line("traceparent " + claimed.job.traceparent);
-  const AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters, *cloud,
-                         *directory, claimed.job.wanted.front(), points_of(claimed.job), options_.limits,
-                         ::getpid(), claimed.job.traceparent};
+  const AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters,  *cloud,
+                         *directory, claimed.job.wanted.front(), points_of(claimed.job),  options_.limits,
+                         ::getpid(), claimed.job.traceparent,    more_meshes(claimed.job)};
+  auto told = std::chrono::steady_clock::time_point();
   AttemptResult result = runner_.run(spec, stop, *log, [&](double progress, std::string_view phase) {
     stages.enter(phase);
     jobs_.report(claim, progress, phase);
+    const auto time = std::chrono::steady_clock::now();
+    if (time - told < kBetweenNews) return;
+    told = time;
+    events_.changed(claim.job);
   });
   log->close();
   log->line("outcome " + std::string(name_of(result.outcome)) + (result.error ? ": " + result.error->detail : ""));

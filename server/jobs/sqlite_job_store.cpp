@@ -7,35 +7,15 @@
 #include <utility>
 
 #include "jobs/sqlite/database.hpp"
+#include "jobs/sqlite/errors.hpp"
 #include "jobs/sqlite/job_rows.hpp"
+#include "jobs/sqlite/listing_rows.hpp"
 #include "jobs/sqlite/schema.hpp"
 
 namespace surfaced {
 namespace {
 
 using namespace sqlite;
-
-Error store_error(const SqliteError& error) {
-  switch (error.code() & 0xFF) {
-    case SQLITE_FULL:
-      return {ErrorCode::storage_full, error.what()};
-    case SQLITE_BUSY:
-    case SQLITE_LOCKED:
-      return {ErrorCode::not_ready, error.what()};
-    default:
-      return {ErrorCode::internal_error, error.what()};
-  }
-}
-
-/// The wall of this folder: what SQLite throws becomes a value.
-template <class Work>
-auto guarded(const Work& work) -> decltype(work()) {
-  try {
-    return work();
-  } catch (const SqliteError& error) {
-    return store_error(error);
-  }
-}
 
 struct LiveProgress {
   std::uint32_t attempt = 0;
@@ -63,10 +43,61 @@ class SqliteJobStore final : public JobStore {
       const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
       if (Status room = room_in(writer_); !room.ok()) return room.error();
+      if (job.of_stored_cloud() && !has_cloud(writer_, job.input.key)) {
+        return Error{ErrorCode::cloud_not_found, "the cloud '" + job.input.key + "' was deleted meanwhile"};
+      }
       insert_job(writer_, job, now());
+      if (!job.idempotency_key.empty()) insert_idempotency(writer_, job);
       auto stored = *select_job(writer_, job.id);
       transaction.commit();
       return std::move(stored.job);
+    });
+  }
+
+  Result<std::optional<Replay>> replay(std::string_view owner, std::string_view key) override {
+    return guarded([&]() -> Result<std::optional<Replay>> {
+      const std::scoped_lock lock(read_mutex_);
+      return select_replay(reader_, owner, key);
+    });
+  }
+
+  Result<JobPage> list(const JobFilter& filter, std::size_t limit, std::optional<std::int64_t> before) override {
+    return guarded([&]() -> Result<JobPage> {
+      JobPage page;
+      {
+        const std::scoped_lock lock(read_mutex_);
+        const Transaction transaction(reader_, Transaction::Kind::read);
+        page = select_page(reader_, filter, limit, before);
+      }
+      for (Job& job : page.jobs) add_progress(job);
+      return page;
+    });
+  }
+
+  Result<std::string> owner_of(std::string_view id) override {
+    return guarded([&]() -> Result<std::string> {
+      const std::scoped_lock lock(read_mutex_);
+      auto owner = select_owner(reader_, id);
+      if (owner) return std::move(*owner);
+      return Error{ErrorCode::job_not_found, "no job has the id '" + std::string(id) + "'"};
+    });
+  }
+
+  Result<Holding> holding_of(std::string_view owner) override {
+    return guarded([&]() -> Result<Holding> {
+      const std::scoped_lock lock(read_mutex_);
+      const Transaction transaction(reader_, Transaction::Kind::read);
+      return select_holding(reader_, owner);
+    });
+  }
+
+  Result<bool> add_output(const Claim& source, const Output& output) override {
+    return guarded([&]() -> Result<bool> {
+      const auto lock = lock_writer();
+      Transaction transaction(writer_, Transaction::Kind::write);
+      if (!insert_output(writer_, source, output)) return false;
+      transaction.commit();
+      return true;
     });
   }
 

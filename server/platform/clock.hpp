@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <string>
+#include <string_view>
 
 namespace surfaced {
 
@@ -12,5 +13,11 @@ SystemTime now();
 
 /// RFC 3339 in UTC with milliseconds: 2024-05-06T07:08:09.012Z. Texts sort as their times do.
 std::string to_rfc3339(SystemTime time);
+
+/// As HTTP writes it: Mon, 06 May 2024 07:08:09 GMT.
+std::string to_http_date(SystemTime time);
+
+/// Reads what to_rfc3339 wrote.
+SystemTime from_rfc3339(std::string_view text);
 
 }  // namespace surfaced

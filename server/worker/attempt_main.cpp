@@ -13,6 +13,7 @@
 #include "reconstruction/reconstruction.hpp"
 #include "worker/attempt_protocol.hpp"
 #include "worker/confinement.hpp"
+#include "worker/convert.hpp"
 
 namespace surfaced {
 namespace {
@@ -60,6 +61,11 @@ Status reconstruct(const AttemptSpec& spec) {
   const Result<Json> report = reconstruct_file(request, context);
   if (!report) return report.error();
   log_report(*report);
+  for (const std::string& name : spec.more_meshes) {
+    const Status converted =
+        convert_mesh(spec.directory / spec.mesh, spec.directory / name, request.parameters, *report);
+    if (!converted) return converted;
+  }
   return write_file(spec.directory / "report.json", as_bytes(report->dump(2) + "\n"));
 }
 

@@ -28,6 +28,7 @@ std::string encode(const AttemptSpec& spec) {
                   {"seconds", spec.limits.time.count()},
                   {"threads", spec.limits.threads},
                   {"parent", spec.parent},
+                  {"more_meshes", spec.more_meshes},
                   {"traceparent", spec.traceparent}});
 }
 
@@ -46,6 +47,7 @@ Result<AttemptSpec> decode_attempt(std::string_view text) {
                    json.at("file_bytes").get<std::uint64_t>(),
                    std::chrono::seconds(json.at("seconds").get<std::int64_t>()), json.at("threads").get<unsigned>()};
     spec.parent = json.at("parent").get<int>();
+    spec.more_meshes = json.at("more_meshes").get<std::vector<std::string>>();
     spec.traceparent = json.at("traceparent").get<std::string>();
     return spec;
   } catch (const Json::exception& wrong) {

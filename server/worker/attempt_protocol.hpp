@@ -48,6 +48,8 @@ struct AttemptSpec {
   int parent = 0;
   /// Trace context of the request, for whoever follows the work; may be empty.
   std::string traceparent{};
+  /// Names of further meshes to write, in the formats of their names.
+  std::vector<std::string> more_meshes{};
 };
 
 std::string encode(const AttemptSpec& spec);

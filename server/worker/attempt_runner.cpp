@@ -180,9 +180,9 @@ AttemptResult judge_exit(const ChildProcess::Exit& exit, const std::optional<Err
                                                                 std::to_string(spec.limits.threads) + " threads"}};
   }
   if (exit.signal == SIGXFSZ) {
-    return {Outcome::method_failed, Error{ErrorCode::method_failed, "an output would be larger than the limit of " +
-                                                                        std::to_string(spec.limits.file_bytes) +
-                                                                        " bytes"}};
+    return {Outcome::method_failed,
+            Error{ErrorCode::method_failed,
+                  "an output would be larger than the limit of " + std::to_string(spec.limits.file_bytes) + " bytes"}};
   }
   if (exit.signal != 0) {
     const char* const why = exit.signal == SIGSYS ? ", for a system call that an attempt may not make" : "";
@@ -204,9 +204,9 @@ AttemptResult judge(const ChildProcess::Exit& exit, const Watch& watch, const St
                                                                 std::to_string(spec.limits.time.count()) + " s"}};
   }
   if (watch.out_of_memory()) {
-    return {Outcome::out_of_memory, Error{ErrorCode::out_of_memory, "the work took more memory than the limit of " +
-                                                                        std::to_string(spec.limits.memory_bytes) +
-                                                                        " bytes"}};
+    return {Outcome::out_of_memory,
+            Error{ErrorCode::out_of_memory, "the work took more memory than the limit of " +
+                                                std::to_string(spec.limits.memory_bytes) + " bytes"}};
   }
   return judge_exit(exit, watch.problem(), spec);
 }

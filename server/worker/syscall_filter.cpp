@@ -38,13 +38,42 @@ constexpr auto kAllowed = std::to_array<const char*>(
      "getuid", "geteuid", "getgid", "getegid", "getrlimit", "ugetrlimit", "arch_prctl"});
 
 /// What only an intruder asks for. Everything that stands on neither list fails with EPERM.
-constexpr auto kDeadly = std::to_array<const char*>(
-    {"socket",           "socketpair",       "connect",      "bind",          "listen",         "accept",
-     "accept4",          "sendto",           "sendmsg",      "sendmmsg",      "execve",         "execveat",
-     "ptrace",           "process_vm_readv", "pidfd_getfd",  "pidfd_open",    "process_vm_writev", "bpf",
-     "io_uring_setup",   "userfaultfd",      "mount",        "umount2",       "open_tree",      "move_mount",
-     "unshare",          "setns",            "chroot",       "pivot_root",    "keyctl",         "add_key",
-     "request_key",      "init_module",      "finit_module", "kexec_load",    "perf_event_open", "open_by_handle_at"});
+constexpr auto kDeadly = std::to_array<const char*>({"socket",
+                                                     "socketpair",
+                                                     "connect",
+                                                     "bind",
+                                                     "listen",
+                                                     "accept",
+                                                     "accept4",
+                                                     "sendto",
+                                                     "sendmsg",
+                                                     "sendmmsg",
+                                                     "execve",
+                                                     "execveat",
+                                                     "ptrace",
+                                                     "process_vm_readv",
+                                                     "pidfd_getfd",
+                                                     "pidfd_open",
+                                                     "process_vm_writev",
+                                                     "bpf",
+                                                     "io_uring_setup",
+                                                     "userfaultfd",
+                                                     "mount",
+                                                     "umount2",
+                                                     "open_tree",
+                                                     "move_mount",
+                                                     "unshare",
+                                                     "setns",
+                                                     "chroot",
+                                                     "pivot_root",
+                                                     "keyctl",
+                                                     "add_key",
+                                                     "request_key",
+                                                     "init_module",
+                                                     "finit_module",
+                                                     "kexec_load",
+                                                     "perf_event_open",
+                                                     "open_by_handle_at"});
 
 struct Release {
   void operator()(void* filter) const { seccomp_release(filter); }

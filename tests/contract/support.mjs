@@ -55,7 +55,9 @@ export class Contract {
   operation(method, pathname) {
     for (const [template, item] of Object.entries(this.document.paths)) {
       const pattern = new RegExp(`^${template.replace(/\{[^}]+\}/g, '[^/]+')}$`);
-      if (pattern.test(pathname) && item[method]) return { template, operation: item[method] };
+      // A path that answers GET answers HEAD.
+      const operation = item[method] ?? (method === 'head' ? item.get : undefined);
+      if (pattern.test(pathname) && operation) return { template, operation };
     }
     return null;
   }

@@ -25,7 +25,8 @@ class SchedulerTest : public ::testing::Test {
   }
   void start() {
     const AttemptLimits limits{std::uint64_t{256} << 20, 1000, std::uint64_t{1} << 30, std::chrono::seconds(20), 1};
-    scheduler_.emplace(*jobs_, *artifacts_, events_, runner_, Scheduler::Options{2, limits});
+    scheduler_.emplace(*jobs_, *artifacts_, events_, runner_,
+                       Scheduler::Options{2, limits, std::chrono::seconds(10), {}});
     scheduler_->start();
   }
   std::string submit(const std::string& behaviour) {

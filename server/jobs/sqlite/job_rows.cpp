@@ -1,7 +1,6 @@
 #include "jobs/sqlite/job_rows.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 namespace surfaced::sqlite {
 namespace {
@@ -9,19 +8,9 @@ namespace {
 /// Attempts that are shown of a job. Drained ones are not bounded by any count.
 constexpr std::int64_t kAttemptsShown = 50;
 
-/// Reads what to_rfc3339 wrote.
 std::optional<SystemTime> time_at(const Query& query, int column) {
   if (query.null(column)) return std::nullopt;
-  const std::string text = query.text(column);
-  const auto part = [&](std::size_t at, std::size_t length) {
-    unsigned value = 0;
-    if (text.size() >= at + length) std::from_chars(text.data() + at, text.data() + at + length, value);
-    return value;
-  };
-  using namespace std::chrono;
-  const auto day = year(static_cast<int>(part(0, 4))) / month(part(5, 2)) / std::chrono::day(part(8, 2));
-  return SystemTime(sys_days(day) + hours(part(11, 2)) + minutes(part(14, 2)) + seconds(part(17, 2)) +
-                    milliseconds(part(20, 3)));
+  return from_rfc3339(query.text(column));
 }
 
 std::vector<Output> select_outputs(Database& database, std::string_view id) {
@@ -90,6 +79,16 @@ Artifacts published_by(const Job& job) {
   return garbage;
 }
 
+std::vector<std::string> texts_in(const std::string& json) {
+  std::vector<std::string> texts;
+  const auto list = nlohmann::json::parse(json, nullptr, false);
+  if (!list.is_array()) return texts;
+  for (const auto& each : list) {
+    if (each.is_string()) texts.push_back(each.get<std::string>());
+  }
+  return texts;
+}
+
 JobRow read_job(const Query& query) {
   JobRow row;
   Job& job = row.job;
@@ -110,13 +109,13 @@ JobRow read_job(const Query& query) {
   job.expires_at = time_at(query, 12);
   row.removed_at = query.text(13);
   job.request_id = query.text(17);
-  const auto wanted = nlohmann::json::parse(query.text(16), nullptr, false);
-  if (wanted.is_array()) {
-    for (const auto& name : wanted) job.wanted.push_back(name.get<std::string>());
-  }
+  job.wanted = texts_in(query.text(16));
   job.error = error_at(query, 14);
   job.parked = query.number(19) != 0;
   job.traceparent = query.text(20);
+  job.owner = query.text(21);
+  job.labels = texts_in(query.text(22));
+  job.webhook = query.text(23);
   return row;
 }
 
@@ -168,9 +167,11 @@ void insert_job(Database& database, const NewJob& job, SystemTime time) {
   const std::string parameters = job.parameters.dump();
   const std::string wanted = nlohmann::json(job.wanted).dump();
   const std::string created = to_rfc3339(time);
+  const std::string labels = nlohmann::json(job.labels).dump();
   Query(database,
         "INSERT INTO jobs (id, method, parameters, status, input_key, input_bytes, input_sha256, wanted, request_id, "
-        "traceparent, ttl_seconds, created_at) VALUES (?, ?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?)")
+        "traceparent, ttl_seconds, created_at, owner, labels, webhook) "
+        "VALUES (?, ?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(job.id)
       .bind(job.method)
       .bind(parameters)
@@ -182,6 +183,9 @@ void insert_job(Database& database, const NewJob& job, SystemTime time) {
       .bind(job.traceparent)
       .bind(std::int64_t{job.ttl.count()})
       .bind(created)
+      .bind(job.owner)
+      .bind(labels)
+      .bind(job.webhook)
       .run();
 }
 
@@ -192,7 +196,7 @@ std::optional<JobRow> select_job(Database& database, std::string_view id) {
     Query query(database,
                 "SELECT id, method, parameters, status, attempt, input_key, input_bytes, input_sha256, ttl_seconds, "
                 "created_at, started_at, finished_at, expires_at, removed_at, error_code, error_detail, wanted, "
-                "request_id, seq, parked, traceparent "
+                "request_id, seq, parked, traceparent, owner, labels, webhook "
                 "FROM jobs WHERE id = ?");
     query.bind(id);
     if (!query.step()) return std::nullopt;
@@ -306,7 +310,8 @@ Artifacts remove_job(Database& database, const Job& job, SystemTime time, System
       .bind(job.id)
       .run();
   Artifacts garbage = published_by(job);
-  garbage.inputs.push_back(job.input.key);
+  // A stored cloud outlives its jobs.
+  if (!job.of_stored_cloud()) garbage.inputs.push_back(job.input.key);
   return garbage;
 }
 
@@ -350,7 +355,7 @@ std::vector<std::string> select_expired(Database& database, SystemTime time) {
 }
 
 std::vector<std::string> select_inputs(Database& database) {
-  Query query(database, "SELECT input_key FROM jobs WHERE removed_at IS NULL");
+  Query query(database, "SELECT input_key FROM jobs WHERE removed_at IS NULL UNION SELECT id FROM clouds");
   return ids(query);
 }
 

@@ -71,6 +71,56 @@ ALTER TABLE jobs ADD COLUMN traceparent TEXT NOT NULL DEFAULT '';
 CREATE TABLE store (id TEXT NOT NULL) STRICT;
 INSERT INTO store (id) VALUES (lower(hex(randomblob(16))));
 )sql",
+    R"sql(
+ALTER TABLE jobs ADD COLUMN owner TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN labels TEXT NOT NULL DEFAULT '[]';
+ALTER TABLE jobs ADD COLUMN webhook TEXT NOT NULL DEFAULT '';
+CREATE INDEX jobs_input ON jobs (input_key) WHERE removed_at IS NULL;
+CREATE TABLE idempotency (
+  owner       TEXT NOT NULL,
+  key         TEXT NOT NULL,
+  fingerprint TEXT NOT NULL,
+  job         TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
+  PRIMARY KEY (owner, key)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX idempotency_job ON idempotency (job);
+CREATE TABLE clouds (
+  id           TEXT PRIMARY KEY,
+  bytes        INTEGER NOT NULL,
+  status       TEXT NOT NULL CHECK (status IN ('inspecting', 'ready', 'refused')),
+  created_at   TEXT NOT NULL,
+  facts        TEXT,
+  error_code   TEXT,
+  error_detail TEXT
+) STRICT, WITHOUT ROWID;
+CREATE TABLE cloud_holders (
+  cloud TEXT NOT NULL REFERENCES clouds (id) ON DELETE CASCADE,
+  owner TEXT NOT NULL,
+  PRIMARY KEY (cloud, owner)
+) STRICT, WITHOUT ROWID;
+CREATE TABLE deliveries (
+  seq         INTEGER PRIMARY KEY AUTOINCREMENT,
+  id          TEXT NOT NULL UNIQUE,
+  job         TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
+  url         TEXT NOT NULL,
+  status      TEXT NOT NULL DEFAULT 'pending' CHECK (status IN ('pending', 'delivered', 'given_up')),
+  attempts    INTEGER NOT NULL DEFAULT 0,
+  created_at  TEXT NOT NULL,
+  next_at     TEXT NOT NULL,
+  tried_at    TEXT,
+  http_status INTEGER,
+  detail      TEXT
+) STRICT;
+CREATE INDEX deliveries_due ON deliveries (next_at) WHERE status = 'pending';
+CREATE INDEX deliveries_job ON deliveries (job);
+CREATE TRIGGER jobs_ended AFTER UPDATE OF status ON jobs
+  WHEN NEW.webhook <> '' AND OLD.status IN ('accepted', 'running')
+    AND NEW.status IN ('successful', 'failed', 'dismissed')
+BEGIN
+  INSERT INTO deliveries (id, job, url, created_at, next_at)
+    VALUES (lower(hex(randomblob(16))), NEW.id, NEW.webhook, NEW.finished_at, NEW.finished_at);
+END;
+)sql",
 });
 
 }  // namespace

@@ -1,0 +1,212 @@
+#include "access/gate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iostream>
+
+#include "http/problem.hpp"
+
+namespace surfaced {
+namespace {
+
+using http::Request;
+using http::Response;
+
+constexpr std::chrono::seconds kLookAgain{1};
+
+/// What is open to everybody: probes, the contract, and what the methods are.
+constexpr auto kOpen = std::to_array<std::string_view>({"/", "/healthz", "/readyz", "/openapi.json",
+                                                        "/openapi-3.0.json", "/docs", "/conformance", "/v1/methods",
+                                                        "/v1/methods/{id}", "/processes", "/processes/{id}"});
+
+/// Where something of the caller's is stored or queued.
+bool takes_space(const Request& request, std::string_view route) {
+  constexpr auto kRoutes = std::to_array<std::string_view>(
+      {"/v1/reconstruct", "/v1/jobs", "/v1/clouds", "/v1/uploads", "/processes/{id}/execution", "/v1/jobs/{id}/retry"});
+  return request.method == "POST" && std::ranges::find(kRoutes, route) != kRoutes.end();
+}
+
+bool queues_job(std::string_view route) { return route != "/v1/clouds" && route != "/v1/uploads"; }
+
+bool is_open(const Request& request, std::string_view route) {
+  return request.method == "OPTIONS" || std::ranges::find(kOpen, route) != kOpen.end();
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+/// The address of the client: that of the connection, or what the trusted proxies before it say, from the last on.
+std::string client_address(const Request& request, const std::vector<std::string>& trusted) {
+  const auto is_trusted = [&](std::string_view address) {
+    return std::ranges::find(trusted, address) != trusted.end();
+  };
+  std::string address = request.remote_address;
+  if (!is_trusted(address)) return address;
+  std::string_view list = request.headers.find("X-Forwarded-For").value_or("");
+  while (!list.empty() && is_trusted(address)) {
+    const std::size_t comma = list.rfind(',');
+    const std::string_view last = trimmed(comma == list.npos ? list : list.substr(comma + 1));
+    list = comma == list.npos ? std::string_view() : list.substr(0, comma);
+    if (last.empty() || last.size() > 64) break;
+    address = last;
+  }
+  return address;
+}
+
+std::string bearer_of(const Request& request) {
+  const std::string_view value = request.headers.find("Authorization").value_or("");
+  constexpr std::string_view kScheme = "Bearer ";
+  if (value.size() > kScheme.size() && http::same_name(value.substr(0, kScheme.size()), kScheme)) {
+    return std::string(trimmed(value.substr(kScheme.size())));
+  }
+  return std::string(request.headers.find("X-Api-Key").value_or(""));
+}
+
+}  // namespace
+
+bool is_loopback(std::string_view host) {
+  return host.starts_with("127.") || host == "::1" || host == "localhost" || host.starts_with("::ffff:127.");
+}
+
+Status Gate::open() {
+  if (rules_.keys.empty()) return Done{};
+  auto loaded = KeyRing::load(rules_.keys);
+  if (!loaded) return std::move(loaded).error();
+  std::error_code ignored;
+  changed_ = std::filesystem::last_write_time(rules_.keys, ignored);
+  ring_ = std::make_shared<const KeyRing>(std::move(*loaded));
+  looked_ = std::chrono::steady_clock::now();
+  return Done{};
+}
+
+std::shared_ptr<const KeyRing> Gate::ring() {
+  const std::scoped_lock lock(mutex_);
+  const auto time = std::chrono::steady_clock::now();
+  if (time - looked_ < kLookAgain) return ring_;
+  looked_ = time;
+  std::error_code error;
+  const auto changed = std::filesystem::last_write_time(rules_.keys, error);
+  if (error || changed == changed_) return ring_;
+  changed_ = changed;
+  if (auto loaded = KeyRing::load(rules_.keys)) {
+    ring_ = std::make_shared<const KeyRing>(std::move(*loaded));
+  } else {
+    // A file that is broken while somebody edits it locks nobody out, and lets nobody in.
+    std::cerr << loaded.error().detail << "; the keys stay as they were" << std::endl;
+  }
+  return ring_;
+}
+
+std::optional<Response> Gate::refuse(Request& request, std::string_view route) {
+  request.remote_address = client_address(request, rules_.trusted_proxies);
+  if (is_open(request, route)) return std::nullopt;
+  if (!rules_.keys.empty()) return check_key(request, route);
+  if (rules_.requests_per_minute == 0 || is_loopback(request.remote_address)) return std::nullopt;
+  return check_pace(request, request.remote_address, rules_.requests_per_minute);
+}
+
+std::optional<Response> Gate::check_key(Request& request, std::string_view route) {
+  const auto keys = ring();
+  const std::string text = bearer_of(request);
+  const Key* const key = keys->find(text);
+  if (key == nullptr) {
+    Response response = http::problem_response(
+        {ErrorCode::unauthorized, text.empty() ? "the header Authorization: Bearer KEY is missing"
+                                               : "the key is not known here; it may have been removed"},
+        request);
+    response.headers.add("WWW-Authenticate", "Bearer realm=\"surfaced\"");
+    return response;
+  }
+  request.caller = {key->id, key->scopes.admin};
+  if (auto slower = check_pace(request, key->id, key->quota.requests_per_minute)) return slower;
+  if (const auto error = check_scope(request, *key)) return http::problem_response(*error, request);
+  if (const auto error = check_owner(request, route)) return http::problem_response(*error, request);
+  if (const auto error = check_quota(request, *key, route)) return http::problem_response(*error, request);
+  return std::nullopt;
+}
+
+std::optional<Response> Gate::check_pace(const Request& request, std::string_view client, std::uint64_t per_minute) {
+  if (per_minute == 0) return std::nullopt;
+  const auto wait = pace_.take(client, per_minute, std::chrono::steady_clock::now());
+  if (!wait) return std::nullopt;
+  Response response = http::problem_response(
+      {ErrorCode::too_many_requests, "the limit is " + std::to_string(per_minute) + " requests a minute"}, request);
+  response.headers.set("Retry-After", std::to_string(wait->count()));
+  return response;
+}
+
+std::optional<Error> Gate::check_scope(const Request& request, const Key& key) const {
+  const bool reads = request.method == "GET" || request.method == "HEAD";
+  if (reads ? key.scopes.read : key.scopes.submit) return std::nullopt;
+  return Error{ErrorCode::forbidden, request.method + " needs the scope " + (reads ? "read" : "submit") + "; the key " +
+                                         key.id + " has not got it"};
+}
+
+std::optional<Error> Gate::check_owner(const Request& request, std::string_view route) {
+  if (request.caller.all) return std::nullopt;
+  if (!route.starts_with("/v1/jobs/{id}") && !route.starts_with("/jobs/{id}")) return std::nullopt;
+  const auto owner = jobs_.owner_of(request.path_parts.at("id"));
+  if (!owner) return owner.error();
+  if (*owner == request.caller.id) return std::nullopt;
+  // In the same words as for a job that there is not.
+  return Error{ErrorCode::job_not_found, "no job has the id '" + request.path_parts.at("id") + "'"};
+}
+
+std::optional<Error> Gate::check_quota(const Request& request, const Key& key, std::string_view route) {
+  const Quota& quota = key.quota;
+  if ((quota.active_jobs == 0 && quota.stored_bytes == 0) || !takes_space(request, route)) return std::nullopt;
+  const auto holding = jobs_.holding_of(key.id);
+  if (!holding) return holding.error();
+  if (queues_job(route) && quota.active_jobs != 0 && holding->active_jobs >= quota.active_jobs) {
+    return Error{ErrorCode::quota_exceeded, std::to_string(holding->active_jobs) +
+                                                " jobs of the key wait or run, the limit is " +
+                                                std::to_string(quota.active_jobs)};
+  }
+  if (quota.stored_bytes == 0) return std::nullopt;
+  const std::uint64_t asked = request.body->length().value_or(0);
+  const std::uint64_t bytes = holding->bytes + uploads_.promised_to(key.id);
+  if (bytes + asked <= quota.stored_bytes) return std::nullopt;
+  return Error{ErrorCode::quota_exceeded, "the key holds " + std::to_string(bytes) + " bytes and sends " +
+                                              std::to_string(asked) + ", the limit is " +
+                                              std::to_string(quota.stored_bytes)};
+}
+
+bool Gate::is_allowed(std::string_view origin) const {
+  return std::ranges::any_of(rules_.cors_origins,
+                             [&](const std::string& each) { return each == "*" || each == origin; });
+}
+
+std::optional<Response> Gate::preflight(const Request& request) const {
+  const auto origin = request.headers.find("Origin");
+  if (request.method != "OPTIONS" || !origin || !request.headers.find("Access-Control-Request-Method")) return {};
+  if (!is_allowed(*origin)) return {};
+  Response response;
+  response.status = 204;
+  response.headers.add("Access-Control-Allow-Methods", "GET, HEAD, POST, PATCH, DELETE, OPTIONS");
+  response.headers.add(
+      "Access-Control-Allow-Headers",
+      "Authorization, X-Api-Key, Content-Type, Accept, Idempotency-Key, If-None-Match, If-Range, Range, "
+      "Last-Event-ID, Prefer, Tus-Resumable, Upload-Length, Upload-Offset, Upload-Metadata, "
+      "Upload-Checksum, traceparent");
+  response.headers.add("Access-Control-Max-Age", "600");
+  return response;
+}
+
+void Gate::decorate(const Request& request, Response& response) const {
+  const auto origin = request.headers.find("Origin");
+  if (rules_.cors_origins.empty()) return;
+  response.headers.add("Vary", "Origin");
+  if (!origin || !is_allowed(*origin)) return;
+  response.headers.add("Access-Control-Allow-Origin", std::string(*origin));
+  response.headers.add(
+      "Access-Control-Expose-Headers",
+      "Location, Content-Location, Link, ETag, Retry-After, Repr-Digest, Content-Range, Accept-Ranges, "
+      "X-Request-Id, Preference-Applied, Tus-Resumable, Tus-Version, Tus-Extension, Tus-Max-Size, "
+      "Tus-Checksum-Algorithm, Upload-Offset, Upload-Length, Upload-Metadata, Upload-Expires, "
+      "Surfaced-Cloud-Id");
+}
+
+}  // namespace surfaced

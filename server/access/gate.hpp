@@ -1,0 +1,69 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "access/keys.hpp"
+#include "access/pace.hpp"
+#include "http/router.hpp"
+#include "jobs/job_store.hpp"
+#include "uploads/upload_store.hpp"
+
+namespace surfaced {
+
+/// Who may come in, and how often.
+struct GateRules {
+  /// Empty: nobody needs a key, and everybody sees everything.
+  std::filesystem::path keys;
+  /// Requests a minute of a client without a key, by address; 0 for no limit. Loopback has none.
+  std::uint64_t requests_per_minute = 0;
+  /// Addresses whose X-Forwarded-For is believed.
+  std::vector<std::string> trusted_proxies;
+  /// Origins whose pages may call; `*` for all. Empty: none.
+  std::vector<std::string> cors_origins;
+};
+
+/// Stands before every handler, behind the routing: finds the caller by his key, counts his requests, holds him to his
+/// scopes, his quota and his own jobs, and speaks CORS. Handlers need not think of any of it.
+class Gate final : public http::Gate {
+ public:
+  Gate(GateRules rules, JobStore& jobs, UploadStore& uploads)
+      : rules_(std::move(rules)), jobs_(jobs), uploads_(uploads) {}
+
+  /// Reads the keys for the first time; invalid_usage.
+  Status open();
+
+  std::optional<http::Response> preflight(const http::Request& request) const override;
+  std::optional<http::Response> refuse(http::Request& request, std::string_view route) override;
+  void decorate(const http::Request& request, http::Response& response) const override;
+
+ private:
+  /// The keys as they are in the file; looked at again when it has changed.
+  std::shared_ptr<const KeyRing> ring();
+  std::optional<http::Response> check_key(http::Request& request, std::string_view route);
+  std::optional<http::Response> check_pace(const http::Request& request, std::string_view client,
+                                           std::uint64_t per_minute);
+  std::optional<Error> check_scope(const http::Request& request, const Key& key) const;
+  std::optional<Error> check_quota(const http::Request& request, const Key& key, std::string_view route);
+  std::optional<Error> check_owner(const http::Request& request, std::string_view route);
+  bool is_allowed(std::string_view origin) const;
+
+  const GateRules rules_;
+  JobStore& jobs_;
+  UploadStore& uploads_;
+  Pace pace_;
+  std::mutex mutex_;
+  std::shared_ptr<const KeyRing> ring_;
+  std::chrono::steady_clock::time_point looked_;
+  std::filesystem::file_time_type changed_;
+};
+
+/// True for 127.0.0.0/8, ::1 and localhost.
+bool is_loopback(std::string_view host);
+
+}  // namespace surfaced

@@ -1,0 +1,53 @@
+#include "api/event_stream.hpp"
+#include "api/routes.hpp"
+#include "http/problem.hpp"
+
+namespace surfaced::api {
+namespace {
+
+using http::problem_response;
+using http::Request;
+using http::Response;
+
+/// The log grows without anybody saying so.
+constexpr std::chrono::milliseconds kLookAtLog{2'000};
+
+Response get_events(const Request& request, JobService& service, JobLooks& looks) {
+  const std::string& id = request.path_parts.at("id");
+  const auto job = service.find(id);
+  if (!job) return problem_response(job.error(), request);
+  // What is not one of our ids begins anew, as a browser without one would.
+  const auto position = read_event_id(request.headers.find("Last-Event-ID").value_or("")).value_or(EventPosition{});
+  Response response;
+  response.headers.add("Cache-Control", "no-store");
+  if (position.state == "done" && ended(job->status) && position.attempt == job->attempt) {
+    // Tells a browser not to connect again.
+    response.status = 204;
+    return response;
+  }
+  response.headers.add("X-Accel-Buffering", "no");
+  response.content_type = "text/event-stream";
+  const auto look = looks.at(id);
+  auto stream = std::make_shared<EventStream>(service, look, id, position);
+  auto feed = std::make_shared<http::Feed>();
+  feed->interval = kLookAtLog;
+  feed->subscribe = [&service, id, look](std::function<void()> wake) {
+    return service.watch(id, [look, wake = std::move(wake)] {
+      look->outdated();
+      wake();
+    });
+  };
+  feed->next = [stream](bool last) { return stream->next(last); };
+  response.feed = std::move(feed);
+  return response;
+}
+
+}  // namespace
+
+void add_event_routes(http::Router& router, JobService& service) {
+  const auto looks = std::make_shared<JobLooks>(service);
+  router.add("GET", "/v1/jobs/{id}/events",
+             [&service, looks](Request& request) { return get_events(request, service, *looks); });
+}
+
+}  // namespace surfaced::api

@@ -1,0 +1,130 @@
+#include "api/event_stream.hpp"
+
+#include <array>
+#include <charconv>
+
+#include "api/job_json.hpp"
+#include "http/problem.hpp"
+
+namespace surfaced::api {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLogPiece = std::size_t{32} << 10;
+/// What nobody says (a job that expires) is noticed after this time.
+constexpr std::chrono::seconds kLongestLook{1};
+constexpr std::string_view kDone = "done";
+
+}  // namespace
+
+Result<Job> JobLook::get() {
+  const std::scoped_lock lock(mutex_);
+  const auto time = std::chrono::steady_clock::now();
+  // Marked before the store is asked: a change meanwhile makes it outdated again.
+  if (!fresh_.exchange(true) || !seen_ || time - when_ > kLongestLook) {
+    seen_.emplace(service_.find(job_));
+    when_ = time;
+  }
+  return *seen_;
+}
+
+std::shared_ptr<JobLook> JobLooks::at(const std::string& job) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(looks_, [](const auto& entry) { return entry.second.expired(); });
+  auto& entry = looks_[job];
+  auto look = entry.lock();
+  if (!look) entry = look = std::make_shared<JobLook>(service_, job);
+  return look;
+}
+
+std::string event_id(const EventPosition& position) {
+  return std::to_string(position.attempt) + "." + std::to_string(position.log) + "." + position.state;
+}
+
+std::optional<EventPosition> read_event_id(std::string_view text) {
+  EventPosition position;
+  const char* const end = text.data() + text.size();
+  const auto attempt = std::from_chars(text.data(), end, position.attempt);
+  if (attempt.ec != std::errc() || attempt.ptr == end || *attempt.ptr != '.') return std::nullopt;
+  const auto log = std::from_chars(attempt.ptr + 1, end, position.log);
+  if (log.ec != std::errc() || log.ptr == end || *log.ptr != '.') return std::nullopt;
+  position.state.assign(log.ptr + 1, end);
+  if (!position.state.empty() && position.state != kDone && !job_status_named(position.state)) return std::nullopt;
+  return position;
+}
+
+void EventStream::add(std::string& bytes, std::string_view event, const Json& data) const {
+  // JSON on one line: no line break of the data can end an event.
+  bytes.append("event: ").append(event).append("\nid: ").append(event_id(position_));
+  bytes.append("\ndata: ").append(http::text_of(data)).append("\n\n");
+}
+
+void EventStream::add_state(std::string& bytes, const Job& job) {
+  const std::string_view status = name_of(job.status);
+  if (job.attempt != position_.attempt) {
+    position_.attempt = job.attempt;
+    position_.log = 0;
+    progress_ = -1;
+    position_.state.clear();
+  }
+  if (position_.state == status || position_.state == kDone) return;
+  position_.state = status;
+  add(bytes, "state", job_json(job));
+}
+
+void EventStream::add_progress(std::string& bytes, const Job& job) {
+  // A job that is just ending may be read as running after its progress was forgotten: it never falls.
+  if (job.status != JobStatus::running || job.progress < progress_) return;
+  if (job.progress == progress_ && job.phase == phase_) return;
+  progress_ = job.progress;
+  phase_ = job.phase;
+  add(bytes, "progress", {{"progress", job.progress}, {"phase", job.phase}, {"attempt", job.attempt}});
+}
+
+bool EventStream::add_log(std::string& bytes, const Job& job) {
+  if (job.attempt == 0) return true;
+  std::string text(kLogPiece, '\0');
+  const auto count = service_.read_log(job, position_.log, std::as_writable_bytes(std::span(text)));
+  if (!count) return true;
+  text.resize(*count);
+  const bool full = *count == kLogPiece;
+  // A line that is not complete yet waits for its end; one that is longer than a piece is cut.
+  const std::size_t end = text.rfind('\n');
+  if (!ended(job.status) || full) text.resize(end == text.npos ? (full ? text.size() : 0) : end + 1);
+  if (text.empty()) return true;
+  position_.log += text.size();
+  Json lines = Json::array();
+  for (std::string_view left = text; !left.empty();) {
+    const std::string_view line = left.substr(0, left.find('\n'));
+    left.remove_prefix(std::min(left.size(), line.size() + 1));
+    lines.push_back(std::string(line));
+  }
+  add(bytes, "log", {{"attempt", job.attempt}, {"lines", std::move(lines)}});
+  return !full;
+}
+
+http::Feed::Piece EventStream::next(bool /*last*/) {
+  http::Feed::Piece piece;
+  const auto job = look_->get();
+  if (!job) {
+    // Removed while somebody watched: the reason is all there is to say.
+    position_.state = kDone;
+    add(piece.bytes, kDone, http::problem_json(job.error(), job_path(job_), ""));
+    piece.end = true;
+    return piece;
+  }
+  add_state(piece.bytes, *job);
+  add_progress(piece.bytes, *job);
+  const bool log_is_out = add_log(piece.bytes, *job);
+  piece.more = !log_is_out;
+  if (log_is_out && ended(job->status)) {
+    position_.state = kDone;
+    add(piece.bytes, kDone, job_json(*job));
+    piece.end = true;
+  }
+  if (piece.bytes.empty()) piece.bytes = ": still here\n\n";
+  return piece;
+}
+
+}  // namespace surfaced::api

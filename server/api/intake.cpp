@@ -1,0 +1,209 @@
+#include "api/intake.hpp"
+
+#include <algorithm>
+
+#include "http/multipart.hpp"
+#include "http/request_head.hpp"
+
+namespace surfaced::api {
+namespace {
+
+using http::Request;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxJsonBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxFieldBytes = std::size_t{64} << 10;
+/// What the library's writer, which calls itself for every level, can go down without fear.
+constexpr std::size_t kMaxJsonDepth = 64;
+
+Status check_encoding(const Request& request) {
+  const auto encoding = request.headers.find("Content-Encoding");
+  if (!encoding || http::same_name(*encoding, "identity")) return Done{};
+  return Error{ErrorCode::unsupported_content_encoding, "Content-Encoding is '" + std::string(*encoding) + "'"};
+}
+
+Status check_present(const Request& request) {
+  if (!request.body->present()) {
+    return Error{ErrorCode::length_required, "the request has neither Content-Length nor Transfer-Encoding"};
+  }
+  if (request.body->length() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
+  return Done{};
+}
+
+bool is_too_deep(std::string_view text) {
+  std::size_t depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kMaxJsonDepth) return true;
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+  return false;
+}
+
+/// The fields and the file of a form, as they come.
+class Form {
+ public:
+  explicit Form(JobService& service) : service_(service) {}
+
+  Status begin(const http::Part& part) {
+    if (!part.is_file && part.name != "cloud") {
+      fields_.emplace_back(part.name, "");
+      in_cloud_ = false;
+      return Done{};
+    }
+    if (part.name != "cloud") {
+      return Error{ErrorCode::invalid_request, "the form has a file '" + part.name + "'; allowed is one file 'cloud'"};
+    }
+    if (cloud_) return Error{ErrorCode::conflicting_input, "the form has the part 'cloud' twice"};
+    auto upload = service_.begin_upload();
+    if (!upload) return upload.error();
+    cloud_ = std::move(*upload);
+    in_cloud_ = true;
+    return Done{};
+  }
+
+  Status data(std::span<const std::byte> bytes) {
+    if (in_cloud_) return cloud_->write(bytes);
+    auto& [name, value] = fields_.back();
+    if (value.size() + bytes.size() > kMaxFieldBytes) {
+      return Error{ErrorCode::payload_too_large,
+                   "the form's field '" + name + "' has more than " + std::to_string(kMaxFieldBytes) + " bytes"};
+    }
+    value.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return Done{};
+  }
+
+  /// What was read, together with the query.
+  Result<Intake> intake(http::Query query, Door door, const SubmissionRules& rules) && {
+    std::string cloud_id;
+    for (auto& [name, value] : fields_) {
+      if (!http::is_utf8(name) || !http::is_utf8(value)) {
+        return Error{ErrorCode::invalid_request, "a field of the form is no UTF-8"};
+      }
+      if (name == "cloud_id") {
+        cloud_id = std::move(value);
+      } else {
+        query.emplace_back(std::move(name), std::move(value));
+      }
+    }
+    if (cloud_ && !cloud_id.empty()) {
+      return Error{ErrorCode::conflicting_input, "the form has both a file 'cloud' and cloud_id '" + cloud_id + "'"};
+    }
+    if (!cloud_ && cloud_id.empty()) {
+      return Error{ErrorCode::invalid_request, "the form has neither a file 'cloud' nor a field 'cloud_id'"};
+    }
+    if (cloud_ && cloud_->bytes() == 0) return Error{ErrorCode::empty_input, "the file 'cloud' has 0 bytes"};
+    auto submission = read_submission(query, door, rules);
+    if (!submission) return std::move(submission).error();
+    submission->cloud_id = std::move(cloud_id);
+    return Intake{std::move(*submission), std::move(cloud_)};
+  }
+
+ private:
+  JobService& service_;
+  http::Query fields_;
+  std::unique_ptr<Upload> cloud_;
+  bool in_cloud_ = false;
+};
+
+Result<Intake> take_in_form(Request& request, Door door, const SubmissionRules& rules, JobService& service) {
+  const auto boundary = http::multipart_boundary(request.headers.find("Content-Type").value_or(""));
+  if (!boundary) return boundary.error();
+  if (Status there = check_present(request); !there.ok()) return there.error();
+  Form form(service);
+  http::MultipartReader reader(
+      *boundary, {[&](const http::Part& part) { return form.begin(part); },
+                  [&](std::span<const std::byte> bytes) { return form.data(bytes); }, [] { return Status(Done{}); }});
+  const Status read = request.body->read([&](std::span<const std::byte> bytes) { return reader.feed(bytes); });
+  if (!read) return read.error();
+  if (Status whole = reader.finish(); !whole.ok()) return whole.error();
+  return std::move(form).intake(request.query, door, rules);
+}
+
+Result<Intake> take_in_json(Request& request, const SubmissionRules& rules) {
+  if (!request.query.empty()) {
+    return Error{ErrorCode::invalid_request,
+                 "'" + request.query.front().first + "' stands in the query; beside a body of JSON nothing may"};
+  }
+  const auto body = receive_json(request, kMaxJsonBytes);
+  if (!body) return body.error();
+  auto submission = read_submission(*body, rules);
+  if (!submission) return std::move(submission).error();
+  if (submission->cloud_id.empty()) {
+    return Error{ErrorCode::invalid_request, "'cloud_id' is missing; POST the cloud to /v1/clouds to get one"};
+  }
+  return Intake{std::move(*submission), nullptr};
+}
+
+}  // namespace
+
+std::string content_type_of(const Request& request) {
+  const std::string_view type = request.headers.find("Content-Type").value_or("");
+  std::string essence(type.substr(0, type.find(';')));
+  while (essence.ends_with(' ')) essence.pop_back();
+  std::ranges::transform(essence, essence.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return essence;
+}
+
+Result<Json> receive_json(Request& request, std::size_t most_bytes) {
+  if (Status plain = check_encoding(request); !plain.ok()) return plain.error();
+  if (Status there = check_present(request); !there.ok()) return there.error();
+  std::string text;
+  const Status read = request.body->read([&](std::span<const std::byte> bytes) -> Status {
+    if (text.size() + bytes.size() > most_bytes) {
+      return Error{ErrorCode::payload_too_large,
+                   "the body has more than " + std::to_string(most_bytes) + " bytes, the limit for JSON"};
+    }
+    text.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return Done{};
+  });
+  if (!read) return read.error();
+  if (is_too_deep(text)) {
+    return Error{ErrorCode::invalid_request, "the JSON is nested deeper than " + std::to_string(kMaxJsonDepth)};
+  }
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& wrong) {
+    return Error{ErrorCode::invalid_request,
+                 "the body is no JSON: it goes wrong at byte " + std::to_string(wrong.byte)};
+  }
+}
+
+Result<std::unique_ptr<Upload>> receive_raw(Request& request, JobService& service) {
+  if (Status plain = check_encoding(request); !plain.ok()) return plain.error();
+  if (Status there = check_present(request); !there.ok()) return there.error();
+  auto upload = service.begin_upload(request.body->length().value_or(0));
+  if (!upload) return upload;
+  const Status read = request.body->read([&](std::span<const std::byte> bytes) { return (*upload)->write(bytes); });
+  if (!read) return read.error();
+  if ((*upload)->bytes() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
+  return upload;
+}
+
+Result<Intake> take_in(Request& request, Door door, const SubmissionRules& rules, JobService& service) {
+  if (Status plain = check_encoding(request); !plain.ok()) return plain.error();
+  const std::string type = content_type_of(request);
+  if (type == "multipart/form-data") return take_in_form(request, door, rules, service);
+  if (type == "application/json" || type.ends_with("+json")) {
+    if (door == Door::jobs) return take_in_json(request, rules);
+    return Error{ErrorCode::unsupported_media_type,
+                 "Content-Type is '" + type + "'; taken are the raw bytes of a cloud and multipart/form-data"};
+  }
+  auto submission = read_submission(request.query, door, rules);
+  if (!submission) return std::move(submission).error();
+  auto cloud = receive_raw(request, service);
+  if (!cloud) return std::move(cloud).error();
+  return Intake{std::move(*submission), std::move(*cloud)};
+}
+
+}  // namespace surfaced::api

@@ -1,0 +1,26 @@
+#include "clouds/cloud_service.hpp"
+
+namespace surfaced {
+
+Result<CloudStore::Added> CloudService::add(Upload& upload, std::string_view owner) {
+  if (upload.bytes() == 0) return Error{ErrorCode::empty_input, "the cloud has 0 bytes"};
+  const std::scoped_lock lock(mutex_);
+  const std::string id = upload.sha256();
+  // A child that may read nothing but the file that is there now must not lose it to another one with the same bytes.
+  if (!clouds_.find(id, std::nullopt)) {
+    if (const auto input = upload.commit(id); !input) return input.error();
+  }
+  auto added = clouds_.add({id, upload.bytes(), id}, owner);
+  if (added && added->cloud.status == CloudStatus::inspecting) inspector_.wake();
+  return added;
+}
+
+Status CloudService::remove(std::string_view id, std::optional<std::string_view> owner) {
+  const std::scoped_lock lock(mutex_);
+  const auto last = clouds_.remove(id, owner);
+  if (!last) return last.error();
+  if (*last) artifacts_.remove({{std::string(id)}, {}});
+  return Done{};
+}
+
+}  // namespace surfaced

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "artifacts/artifact_store.hpp"
+#include "clouds/cloud_store.hpp"
+#include "clouds/inspector.hpp"
+
+namespace surfaced {
+
+/// What the doors of the service do with stored clouds: the file and its record come and go together.
+class CloudService {
+ public:
+  CloudService(CloudStore& clouds, ArtifactStore& artifacts, CloudInspector& inspector)
+      : clouds_(clouds), artifacts_(artifacts), inspector_(inspector) {}
+
+  Result<CloudStore::Added> add(Upload& upload, std::string_view owner);
+
+  Result<Cloud> find(std::string_view id, std::optional<std::string_view> owner) { return clouds_.find(id, owner); }
+
+  Status remove(std::string_view id, std::optional<std::string_view> owner);
+
+ private:
+  CloudStore& clouds_;
+  ArtifactStore& artifacts_;
+  CloudInspector& inspector_;
+  // Between a file and its record nobody may change either.
+  std::mutex mutex_;
+};
+
+}  // namespace surfaced

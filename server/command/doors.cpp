@@ -1,0 +1,98 @@
+#include "command/doors.hpp"
+
+#include <fstream>
+
+#include "api/job_json.hpp"
+#include "http/problem.hpp"
+#include "worker/side_main.hpp"
+
+namespace surfaced {
+namespace {
+
+constexpr const char* kThisProgram = "/proc/self/exe";
+constexpr std::size_t kShortestSecret = 16;
+
+std::string webhook_body(const Job& job) {
+  return http::text_of({{"type", "job." + std::string(name_of(job.status))},
+                        {"timestamp", to_rfc3339(job.finished_at.value_or(now()))},
+                        {"data", api::job_json(job)}});
+}
+
+Result<std::string> read_secret(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string secret;
+  if (std::getline(stream, secret) && secret.size() >= kShortestSecret) return secret;
+  return Error{ErrorCode::invalid_usage, "--webhook-secret " + file.string() +
+                                             " is no file whose first line has at least " +
+                                             std::to_string(kShortestSecret) + " characters"};
+}
+
+}  // namespace
+
+Status check_exposure(const Settings& settings, std::string_view host) {
+  if (!settings.keys.empty() || settings.allow_anonymous == "yes" || is_loopback(host)) return Done{};
+  return Error{ErrorCode::invalid_usage,
+               "--listen " + settings.listen +
+                   " is no loopback address and there are no keys; give --keys FILE "
+                   "(surfaced keys add FILE), or --allow-anonymous yes if everybody may come in"};
+}
+
+Result<std::unique_ptr<Doors>> Doors::open(const Ground& ground, const Settings& settings) {
+  const auto database = settings.data / "jobs.sqlite";
+  auto clouds = open_sqlite_cloud_store(database);
+  if (!clouds) return std::move(clouds).error();
+  auto uploads = UploadStore::open(settings.data / "partial", std::chrono::seconds(settings.upload_time));
+  if (!uploads) return std::move(uploads).error();
+  auto deliveries = open_sqlite_delivery_store(database);
+  if (!deliveries) return std::move(deliveries).error();
+  std::unique_ptr<Doors> doors(
+      new Doors(ground, settings, std::move(*clouds), std::move(*uploads), std::move(*deliveries)));
+  if (Status opened = doors->gate_.open(); !opened.ok()) return opened.error();
+  if (settings.webhook_secret.empty()) return doors;
+  const auto secret = read_secret(settings.webhook_secret);
+  if (!secret) return secret.error();
+  doors->webhooks_ = std::make_unique<WebhookSender>(
+      *doors->deliveries_, ground.jobs,
+      WebhookOptions{*secret, settings.webhook_private == "yes", settings.webhook_certificates.string()}, webhook_body);
+  return doors;
+}
+
+Doors::Doors(const Ground& ground, const Settings& settings, std::unique_ptr<CloudStore> clouds,
+             std::unique_ptr<UploadStore> uploads, std::unique_ptr<DeliveryStore> deliveries)
+    : settings_(settings),
+      cloud_store_(std::move(clouds)),
+      uploads_(std::move(uploads)),
+      deliveries_(std::move(deliveries)),
+      inspecting_(ground.artifacts, {kThisProgram, kInspectCommand}, ground.limits),
+      converting_(ground.artifacts, {kThisProgram, kConvertCommand}, ground.limits),
+      inspector_(*cloud_store_, ground.artifacts, inspecting_),
+      clouds_(*cloud_store_, ground.artifacts, inspector_),
+      renditions_(ground.jobs, ground.artifacts, converting_),
+      service_(ground.jobs, ground.artifacts, clouds_, renditions_, ground.events, ground.scheduler),
+      gate_({settings.keys, settings.rate_limit, api::split_list(settings.trusted_proxies),
+             api::split_list(settings.cors_origins)},
+            ground.jobs, *uploads_) {}
+
+void Doors::hang(http::Router& router, std::function<std::string()> metrics) {
+  const api::SubmissionRules rules{std::chrono::seconds(settings_.ttl), webhooks_ != nullptr};
+  const api::RouteOptions options{std::chrono::seconds(settings_.wait_limit), rules, settings_.body_limit,
+                                  std::move(metrics)};
+  router.guard(gate_);
+  api::add_routes(router, service_, clouds_, *uploads_, options);
+  api::add_delivery_routes(router, service_, *deliveries_);
+}
+
+void Doors::start() {
+  inspector_.start();
+  if (webhooks_) webhooks_->start();
+}
+
+void Doors::sweep() { uploads_->expire(); }
+
+void Doors::stop() {
+  renditions_.stop();
+  inspector_.stop();
+  if (webhooks_) webhooks_->stop();
+}
+
+}  // namespace surfaced

@@ -1,0 +1,90 @@
+#include "http/accept.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "http/message.hpp"
+
+namespace surfaced::http {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+std::string_view take_until(std::string_view& text, char mark) {
+  const std::string_view part = text.substr(0, text.find(mark));
+  text.remove_prefix(std::min(text.size(), part.size() + 1));
+  return trimmed(part);
+}
+
+/// 0, 0.5, 1.000 and the like, in thousandths.
+std::optional<int> parse_quality(std::string_view text) {
+  if (text.empty() || text.size() > 5 || (text[0] != '0' && text[0] != '1')) return std::nullopt;
+  int value = (text[0] - '0') * 1000;
+  if (text.size() > 1 && text[1] != '.') return std::nullopt;
+  int unit = 100;
+  for (const char c : text.substr(std::min<std::size_t>(text.size(), 2))) {
+    if (c < '0' || c > '9') return std::nullopt;
+    value += (c - '0') * unit;
+    unit /= 10;
+  }
+  return value <= 1000 ? std::optional(value) : std::nullopt;
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::ranges::transform(result, result.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return result;
+}
+
+}  // namespace
+
+std::vector<MediaRange> parse_accept(std::string_view value) {
+  std::vector<MediaRange> ranges;
+  while (!value.empty()) {
+    std::string_view item = take_until(value, ',');
+    std::string_view name = take_until(item, ';');
+    MediaRange range;
+    range.type = lower(take_until(name, '/'));
+    range.subtype = lower(name);
+    bool readable = !range.type.empty() && !range.subtype.empty();
+    while (!item.empty()) {
+      std::string_view parameter = take_until(item, ';');
+      if (!same_name(take_until(parameter, '='), "q")) continue;
+      const auto quality = parse_quality(parameter);
+      readable &= quality.has_value();
+      range.quality = quality.value_or(0);
+    }
+    if (readable) ranges.push_back(std::move(range));
+  }
+  return ranges;
+}
+
+int quality_of(const std::vector<MediaRange>& ranges, std::string_view media_type) {
+  const std::string_view type = media_type.substr(0, media_type.find('/'));
+  std::string_view subtype = media_type.substr(std::min(media_type.size(), type.size() + 1));
+  subtype = subtype.substr(0, subtype.find(';'));
+  int best_rank = 0;
+  int quality = 0;
+  for (const MediaRange& range : ranges) {
+    int rank = 0;
+    if (range.type == type && range.subtype == subtype) {
+      rank = 3;
+    } else if (range.type == type && range.subtype == "*") {
+      rank = 2;
+    } else if (range.type == "*" && range.subtype == "*") {
+      rank = 1;
+    }
+    if (rank > best_rank) {
+      best_rank = rank;
+      quality = range.quality;
+    }
+  }
+  return quality;
+}
+
+}  // namespace surfaced::http

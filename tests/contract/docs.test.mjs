@@ -1,0 +1,45 @@
+// The contract lints clean, and the commands of docs/service.md do what the page says.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { Client } from './client.mjs';
+import { source } from './support.mjs';
+
+let client;
+const folder = mkdtempSync(path.join(tmpdir(), 'surfaced-docs-'));
+before(async () => {
+  client = await Client.start();
+});
+after(async () => {
+  await client?.stop();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+test('openapi.yaml lints clean', () => {
+  const lint = spawnSync(path.join(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), 'node_modules/.bin/redocly'),
+    ['lint', '--config', path.join(source, 'tests/contract/redocly.yaml'), path.join(source, 'proto/openapi.yaml')],
+    { encoding: 'utf8', env: { ...process.env, REDOCLY_TELEMETRY: 'off' } });
+  assert.equal(lint.status, 0, lint.stdout + lint.stderr);
+  assert.doesNotMatch(lint.stdout + lint.stderr, /warning/i);
+});
+
+test('the story of docs/service.md runs as it is written', { timeout: 120000 }, () => {
+  const page = readFileSync(path.join(source, 'docs/service.md'), 'utf8');
+  const blocks = [...page.matchAll(/```sh\n([\s\S]*?)```/g)].map((found) => found[1]);
+  assert.ok(blocks.length >= 5, 'the page has its commands');
+  const script = `set -euo pipefail\nserver=${client.base}\ncp ${path.join(source, 'client-examples/samples/knot.ply')} .\n${blocks.join('\n')}`;
+  const run = spawnSync('bash', ['-c', script], { cwd: folder, encoding: 'utf8' });
+  assert.equal(run.status, 0, `${run.stdout}\n${run.stderr}`);
+  assert.equal(readFileSync(path.join(folder, 'knot.glb')).subarray(0, 4).toString('latin1'), 'glTF');
+});
+
+test('the reference for people is served without anything from elsewhere', async () => {
+  const { status, headers } = await client.call('GET', '/docs');
+  assert.equal(status, 200);
+  assert.match(headers.get('content-security-policy'), /default-src 'none'/);
+  const page = await (await fetch(`${client.base}/docs`)).text();
+  assert.doesNotMatch(page, /https?:\/\//);
+});

@@ -1,0 +1,175 @@
+#include "clouds/cloud_store.hpp"
+
+#include <gmock/gmock.h>
+
+#include "jobs/sqlite_job_store.hpp"
+#include "platform/random.hpp"
+#include "support/temporary_directory.hpp"
+#include "webhooks/address_guard.hpp"
+#include "webhooks/delivery_store.hpp"
+#include "webhooks/sender.hpp"
+
+namespace surfaced {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class CloudsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto file = directory_.path() / "jobs.sqlite";
+    jobs_ = open_sqlite_job_store(file, {}).value();
+    clouds_ = open_sqlite_cloud_store(file).value();
+    deliveries_ = open_sqlite_delivery_store(file).value();
+  }
+  static StoredInput cloud(char digit) { return {std::string(64, digit), 7, std::string(64, digit)}; }
+  Job submit(const StoredInput& input, const std::string& owner = "", const std::string& webhook = "") {
+    NewJob job{random_hex<16>(),        "m", nlohmann::ordered_json::object(), input, {"mesh.glb"}, "r", "",
+               std::chrono::seconds(60)};
+    job.owner = owner;
+    job.webhook = webhook;
+    return jobs_->submit(job).value();
+  }
+  void finish(Outcome outcome) {
+    const ClaimedJob claimed = **jobs_->claim();
+    Ending ending;
+    ending.outcome = outcome;
+    if (outcome != Outcome::done) ending.error = Error{ErrorCode::method_failed, "why"};
+    ASSERT_TRUE(jobs_->settle(claimed.claim(), ending).ok());
+  }
+
+  testing::TemporaryDirectory directory_;
+  std::unique_ptr<JobStore> jobs_;
+  std::unique_ptr<CloudStore> clouds_;
+  std::unique_ptr<DeliveryStore> deliveries_;
+};
+
+TEST_F(CloudsTest, a_cloud_belongs_to_all_who_sent_it_and_goes_with_the_last) {
+  EXPECT_TRUE(clouds_->add(cloud('a'), "alice").value().created);
+  EXPECT_FALSE(clouds_->add(cloud('a'), "alice").value().created);
+  EXPECT_TRUE(clouds_->add(cloud('a'), "bob").value().created);
+  const std::string id(64, 'a');
+  EXPECT_EQ(clouds_->find(id, "eve").error().code, ErrorCode::cloud_not_found);
+  EXPECT_FALSE(clouds_->remove(id, "alice").value()) << "bob has it still";
+  EXPECT_EQ(clouds_->find(id, "alice").error().code, ErrorCode::cloud_not_found);
+  EXPECT_TRUE(clouds_->remove(id, "bob").value());
+  EXPECT_EQ(clouds_->find(id, std::nullopt).error().code, ErrorCode::cloud_not_found);
+}
+
+TEST_F(CloudsTest, a_cloud_stays_while_a_job_uses_it_and_is_no_garbage_of_the_job) {
+  ASSERT_TRUE(clouds_->add(cloud('b'), "").ok());
+  const Job job = submit(cloud('b'));
+  EXPECT_TRUE(job.of_stored_cloud());
+  EXPECT_EQ(clouds_->remove(std::string(64, 'b'), std::nullopt).error().code, ErrorCode::cloud_in_use);
+  EXPECT_THAT(jobs_->kept().value().inputs, ElementsAre(std::string(64, 'b')));
+  ASSERT_TRUE(jobs_->dismiss(job.id).ok());
+  const Dismissal removal = jobs_->dismiss(job.id).value();
+  EXPECT_TRUE(removal.removed);
+  EXPECT_THAT(removal.garbage.inputs, IsEmpty());
+  EXPECT_TRUE(clouds_->remove(std::string(64, 'b'), std::nullopt).value());
+  NewJob late{random_hex<16>(),        "m", nlohmann::ordered_json::object(), cloud('b'), {"mesh.glb"}, "r", "",
+              std::chrono::seconds(60)};
+  EXPECT_EQ(jobs_->submit(late).error().code, ErrorCode::cloud_not_found);
+}
+
+TEST_F(CloudsTest, what_a_child_found_is_kept) {
+  ASSERT_TRUE(clouds_->add(cloud('c'), "").ok());
+  EXPECT_EQ(clouds_->next_to_inspect().value(), std::string(64, 'c'));
+  ASSERT_TRUE(clouds_->inspected(std::string(64, 'c'), nlohmann::ordered_json{{"points", 3}}).ok());
+  EXPECT_EQ(clouds_->find(std::string(64, 'c'), std::nullopt).value().facts.at("points"), 3);
+  EXPECT_EQ(clouds_->next_to_inspect().value(), std::nullopt);
+  ASSERT_TRUE(clouds_->add(cloud('d'), "").ok());
+  ASSERT_TRUE(clouds_->inspected(std::string(64, 'd'), Error{ErrorCode::unknown_format, "why"}).ok());
+  EXPECT_EQ(clouds_->find(std::string(64, 'd'), std::nullopt).value().error->code, ErrorCode::unknown_format);
+}
+
+TEST_F(CloudsTest, pages_go_from_the_newest_to_the_oldest_and_miss_none) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 5; ++i) ids.push_back(submit({random_hex<16>(), 1, "x"}, i % 2 == 0 ? "alice" : "bob").id);
+  std::vector<std::string> seen;
+  std::optional<std::int64_t> next;
+  do {
+    const JobPage page = jobs_->list({}, 2, next).value();
+    for (const Job& job : page.jobs) seen.push_back(job.id);
+    next = page.next;
+  } while (next);
+  std::ranges::reverse(ids);
+  EXPECT_EQ(seen, ids);
+  JobFilter alices;
+  alices.owner = "alice";
+  EXPECT_EQ(jobs_->list(alices, 10, std::nullopt).value().jobs.size(), 3U);
+  JobFilter running;
+  running.status = JobStatus::running;
+  EXPECT_TRUE(jobs_->list(running, 10, std::nullopt).value().jobs.empty());
+  EXPECT_EQ(jobs_->holding_of("alice").value().active_jobs, 3U);
+}
+
+TEST_F(CloudsTest, the_end_of_a_job_stands_in_the_outbox_with_its_state) {
+  const Job told = submit({random_hex<16>(), 1, "x"}, "", "https://example.org/hook");
+  EXPECT_THAT(deliveries_->due(10).value(), IsEmpty());
+  finish(Outcome::method_failed);
+  submit({random_hex<16>(), 1, "x"});
+  finish(Outcome::done);
+  auto due = deliveries_->due(10).value();
+  ASSERT_EQ(due.size(), 1U);
+  EXPECT_EQ(due.front().job, told.id);
+  due.front().attempts = 1;
+  due.front().next_at = now() + std::chrono::hours(1);
+  due.front().detail = "nobody there";
+  ASSERT_TRUE(deliveries_->tried(due.front()).ok());
+  EXPECT_THAT(deliveries_->due(10).value(), IsEmpty());
+  EXPECT_EQ(deliveries_->of_job(told.id).value().front().detail, "nobody there");
+}
+
+TEST(WebhookTest, only_addresses_that_the_internet_routes_are_public) {
+  for (const char* address : {"93.184.216.34", "8.8.8.8", "2606:2800:220:1:248:1893:25c8:1946"}) {
+    EXPECT_TRUE(is_public_address(address)) << address;
+  }
+  for (const char* address : {"127.0.0.1",
+                              "10.1.2.3",
+                              "172.31.0.1",
+                              "192.168.1.1",
+                              "169.254.169.254",
+                              "100.64.0.1",
+                              "0.0.0.0",
+                              "224.0.0.1",
+                              "255.255.255.255",
+                              "198.18.0.1",
+                              "::1",
+                              "::",
+                              "fe80::1",
+                              "fc00::1",
+                              "ff02::1",
+                              "::ffff:127.0.0.1",
+                              "64:ff9b::a00:1",
+                              "2002:7f00:1::",
+                              "2001:db8::1",
+                              "2001::1",
+                              "localhost",
+                              "",
+                              "127.1"}) {
+    EXPECT_FALSE(is_public_address(address)) << address;
+  }
+}
+
+TEST(WebhookTest, targets_are_https_and_public) {
+  for (const char* url : {"http://8.8.8.8/", "https://user@8.8.8.8/", "https://127.0.0.1/", "https://[::1]/",
+                          "https://localhost/", "https://0x7f000001/", "ftp://8.8.8.8/", "nonsense", "https://"}) {
+    EXPECT_FALSE(resolve_target(url, false).ok()) << url;
+  }
+  EXPECT_EQ(resolve_target("https://8.8.8.8/hook", false).value().address, "8.8.8.8");
+  EXPECT_EQ(resolve_target("https://127.0.0.1:8443/hook", true).value().port, "8443");
+}
+
+TEST(WebhookTest, signatures_are_those_of_the_standard) {
+  // echo -n 'id.1.{}' | openssl dgst -sha256 -hmac secret -binary | base64
+  EXPECT_EQ(webhook_signature("secret", "id", "1", "{}"), "v1,490pAcC1LQ1k1cOcmH0da199+A88OKCj0Io4WnJlp68=");
+  EXPECT_NE(webhook_signature("secret", "id", "1", "{}"), webhook_signature("secret", "id", "2", "{}"));
+  EXPECT_EQ(retry_after(1), std::chrono::seconds(5));
+  EXPECT_EQ(retry_after(7), std::nullopt);
+}
+
+}  // namespace
+}  // namespace surfaced
