@@ -18,6 +18,7 @@ int dispatch(int argc, char** argv) {
   surfaced::add_serve(app, run);
   surfaced::add_check_config(app, run);
   surfaced::add_keys(app, run);
+  surfaced::add_backup(app, run);
   surfaced::add_attempt(app, run);
   surfaced::add_side_tasks(app, run);
   try {

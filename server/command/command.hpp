@@ -16,6 +16,7 @@ void add_methods(CLI::App& app, Run& run);
 void add_serve(CLI::App& app, Run& run);
 void add_check_config(CLI::App& app, Run& run);
 void add_keys(CLI::App& app, Run& run);
+void add_backup(CLI::App& app, Run& run);
 /// Hidden: what the server starts for every attempt at a job.
 void add_attempt(CLI::App& app, Run& run);
 /// Hidden: what the server starts to look at a stored cloud, and to encode a mesh anew.

@@ -20,6 +20,7 @@ using Json = nlohmann::json;
 constexpr std::uint64_t kOtherFiles = 64;
 constexpr std::uint64_t kFilesPerThread = 2;
 constexpr std::uint64_t kFilesPerWorker = 8;
+constexpr std::uint64_t kFewestConnections = 64;
 
 std::optional<std::string> read_text(const std::filesystem::path& path) {
   std::ifstream file(path);
@@ -116,6 +117,26 @@ void check_data(Configuration& configuration) {
   }
 }
 
+/// Connections that were asked for must be possible; the default makes do with what there is.
+void check_files(Configuration& configuration, const Settings& settings) {
+  rlimit files{};
+  ::getrlimit(RLIMIT_NOFILE, &files);
+  const std::uint64_t others =
+      kFilesPerThread * settings.http_threads + kFilesPerWorker * settings.workers + kOtherFiles;
+  if (files.rlim_max >= settings.connections + others) return;
+  const std::string what = "connections is " + std::to_string(settings.connections) + ", which needs " +
+                           std::to_string(settings.connections + others) + " open files; the limit (ulimit -Hn) is " +
+                           std::to_string(files.rlim_max);
+  const auto entry = std::ranges::find_if(
+      configuration.entries, [](const Configuration::Entry& each) { return each.setting->name == "connections"; });
+  if (entry->source != "default" || files.rlim_max < others + kFewestConnections) {
+    configuration.problems.push_back(what);
+    return;
+  }
+  configuration.settings.connections = files.rlim_max - others;
+  configuration.warnings.push_back(what + ": " + std::to_string(configuration.settings.connections) + " are taken");
+}
+
 }  // namespace
 
 Configuration read_configuration(const Sources& sources) {
@@ -148,15 +169,7 @@ void check_machine(Configuration& configuration) {
   Settings settings = configuration.settings;
   settings.resolve();
   check_data(configuration);
-  rlimit files{};
-  ::getrlimit(RLIMIT_NOFILE, &files);
-  const std::uint64_t needed =
-      settings.connections + kFilesPerThread * settings.http_threads + kFilesPerWorker * settings.workers + kOtherFiles;
-  if (files.rlim_max < needed) {
-    configuration.problems.push_back("connections is " + std::to_string(settings.connections) + ", which needs " +
-                                     std::to_string(needed) + " open files; the limit (ulimit -Hn) is " +
-                                     std::to_string(files.rlim_max));
-  }
+  check_files(configuration, settings);
   const std::uint64_t memory = machine_memory();
   if (settings.job_memory > memory / settings.workers) {
     configuration.warnings.push_back(std::to_string(settings.workers) + " workers with a job-memory of " +

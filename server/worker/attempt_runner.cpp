@@ -156,7 +156,8 @@ Outcome outcome_of(ErrorCode code) {
     case ErrorCode::internal_error:
     case ErrorCode::crashed:
       return Outcome::crashed;
-    // The disk is full, or the server has gone: not the input's fault.
+    // The disk is full, the server has gone, the kernel takes no confinement: not the input's fault.
+    case ErrorCode::not_ready:
     case ErrorCode::storage_full:
     case ErrorCode::output_not_writable:
     case ErrorCode::input_unreadable:

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <cstring>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -10,8 +9,7 @@
 #include <random>
 #include <thread>
 
-#include "support/http_client.hpp"
-#include "support/server_process.hpp"
+#include "support/service_client.hpp"
 #include "support/shapes.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -29,21 +27,6 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 
-/// Binary little-endian PLY of these points.
-std::string ply(const std::vector<Point3>& points) {
-  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(points.size()) +
-                      "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-  for (const Point3& point : points) {
-    for (const double coordinate : point) {
-      const auto value = static_cast<float>(coordinate);
-      char raw[sizeof value];
-      std::memcpy(raw, &value, sizeof value);
-      bytes.append(raw, sizeof raw);
-    }
-  }
-  return bytes;
-}
-
 class ServiceTest : public ::testing::Test {
  protected:
   void SetUp() override { server_.emplace(directory_.path() / "data"); }
@@ -58,16 +41,11 @@ class ServiceTest : public ::testing::Test {
     return Json::parse(answer.body).at("id");
   }
   Json job(const std::string& id, const std::string& query = "") const {
-    return Json::parse(call("GET", "/v1/jobs/" + id + query).body);
+    return testing::job_of(server_->port(), id, query);
   }
-  Json wait_for_end(const std::string& id) const {
-    for (int i = 0; i < 10; ++i) {
-      Json now = job(id, "?wait=20");
-      if (now.at("status") != "accepted" && now.at("status") != "running") return now;
-    }
-    return job(id);
-  }
-  static std::string code_of(const Answer& answer) { return Json::parse(answer.body).at("code"); }
+  Json wait_for_end(const std::string& id) const { return testing::wait_for_end(server_->port(), id); }
+  static std::string code_of(const Answer& answer) { return testing::code_of(answer); }
+  static std::string ply(const std::vector<Point3>& points) { return testing::binary_ply(points); }
 
   testing::TemporaryDirectory directory_;
   std::optional<testing::ServerProcess> server_;
@@ -243,11 +221,8 @@ TEST_F(ServiceTest, a_large_upload_never_stands_in_memory) {
   std::string body = ply(std::vector<Point3>(6'000'000, Point3{std::numeric_limits<double>::quiet_NaN(), 0, 0}));
   ASSERT_GT(body.size(), std::size_t{64} << 20);
   EXPECT_EQ(code_of(call("POST", "/v1/reconstruct?method=advancing-front", body)), "coordinate_not_finite");
-  std::ifstream status("/proc/" + std::to_string(server_->pid()) + "/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("VmHWM:") && !kSanitized) {
-      EXPECT_LT(std::stoul(line.substr(6)), 50'000U) << "kB";
-    }
+  if (!kSanitized) {
+    EXPECT_LT(testing::peak_megabytes(server_->pid()), 50);
   }
 }
 

@@ -22,13 +22,15 @@ namespace surfaced::testing {
 class ServerProcess {
  public:
   /// Starts `surfaced serve` on a free port and returns once it listens.
-  ServerProcess(const std::filesystem::path& data, std::vector<std::string> flags = {}) {
+  /// @param log  file for its standard error; that of the test if empty
+  ServerProcess(const std::filesystem::path& data, std::vector<std::string> flags = {},
+                const std::filesystem::path& log = {}) {
     std::filesystem::create_directories(data);
     const auto out = data.parent_path() / (data.filename().string() + ".stdout");
     std::filesystem::remove(out);
     std::vector<std::string> command{SURFACED_BINARY, "serve", "--listen", "127.0.0.1:0", "--data", data.string()};
     command.insert(command.end(), flags.begin(), flags.end());
-    start(command, out);
+    start(command, out, log);
     for (int i = 0; i < 600 && port_ == 0; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       read_port(out);
@@ -69,7 +71,8 @@ class ServerProcess {
   }
 
  private:
-  void start(const std::vector<std::string>& command, const std::filesystem::path& out) {
+  void start(const std::vector<std::string>& command, const std::filesystem::path& out,
+             const std::filesystem::path& log) {
     std::vector<char*> arguments;
     arguments.reserve(command.size() + 1);
     for (const auto& each : command) arguments.push_back(const_cast<char*>(each.c_str()));
@@ -77,6 +80,9 @@ class ServerProcess {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (!log.empty()) {
+      posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+    }
     const int failed = ::posix_spawn(&pid_, arguments.front(), &actions, nullptr, arguments.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     if (failed != 0) throw std::runtime_error("cannot start " + command.front());

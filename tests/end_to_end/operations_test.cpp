@@ -1,0 +1,221 @@
+// What an operator does: configure, watch, stop, back up, restore.
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include "support/service_client.hpp"
+#include "support/shapes.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace surfaced {
+namespace {
+
+using Json = nlohmann::json;
+using std::chrono::milliseconds;
+using testing::Answer;
+using ::testing::AnyOf;
+using testing::call;
+using ::testing::HasSubstr;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+class OperationsTest : public ::testing::Test {
+ protected:
+  std::filesystem::path path(const char* name) const { return directory_.path() / name; }
+  /// Runs the command with its output in the file `out` and its problems in `err`; the exit code.
+  int run(const std::string& arguments) const {
+    const std::string command = "umask 077; " + environment_ + " " + SURFACED_BINARY + " " + arguments + " > " +
+                                path("out").string() + " 2> " + path("err").string();
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): the test has one thread
+    return WEXITSTATUS(std::system(command.c_str()));
+  }
+  static std::string submit(std::uint16_t port, const std::string& cloud, const testing::Fields& fields = {}) {
+    const Answer answer = call(port, "POST", "/v1/jobs?method=advancing-front", cloud, fields);
+    EXPECT_EQ(answer.status, 201) << answer.body;
+    return Json::parse(answer.body).at("id");
+  }
+
+  testing::TemporaryDirectory directory_;
+  std::string environment_;
+  const std::string cloud_ = testing::binary_ply(testing::sphere_points(500));
+};
+
+TEST_F(OperationsTest, check_config_shows_every_setting_and_where_it_comes_from) {
+  std::ofstream(path("c.json")) << R"({"queue-limit": 7})";
+  environment_ = "SURFACED_DATA=" + path("data").string() + " SURFACED_LEASE=60";
+  EXPECT_EQ(run("check-config " + path("c.json").string()), 0) << text_of(path("err"));
+  const std::string out = text_of(path("out"));
+  EXPECT_THAT(out, HasSubstr("queue-limit = 7  [file]"));
+  EXPECT_THAT(out, HasSubstr("lease = 60 s  [SURFACED_LEASE]"));
+  EXPECT_THAT(out, HasSubstr("listen = 127.0.0.1:8080  [default]"));
+  EXPECT_EQ(run("check-config --json"), 0);
+  EXPECT_GT(Json::parse(text_of(path("out"))).at("settings").size(), 20U);
+  EXPECT_FALSE(std::filesystem::exists(path("data"))) << "looking changes nothing";
+}
+
+TEST_F(OperationsTest, check_config_and_serve_refuse_what_is_wrong_with_exit_code_2) {
+  std::ofstream(path("c.json")) << R"({"queue-limit": "many"})";
+  for (const char* command : {"check-config --config ", "serve --config "}) {
+    EXPECT_EQ(run(command + path("c.json").string()), 2);
+    const Json problem = Json::parse(text_of(path("err")));
+    EXPECT_EQ(problem.at("code"), "invalid_usage");
+    EXPECT_THAT(problem.at("detail").get<std::string>(), HasSubstr("queue-limit is 'many'; allowed is 1 to 1000000"));
+    EXPECT_THAT(problem.at("detail").get<std::string>(), HasSubstr("data is not set"));
+  }
+}
+
+TEST_F(OperationsTest, a_server_that_is_told_to_stop_is_unready_at_once_and_answers_until_its_jobs_have_ended) {
+  testing::ServerProcess server(path("data"), {"--drain-time", "60", "--workers", "1"});
+  const std::string running =
+      submit(server.port(), testing::binary_ply(testing::random_points(kSanitized ? 20'000 : 200'000, 1)));
+  testing::wait_for_start(server.port(), running);
+  const std::string waiting = submit(server.port(), cloud_);
+  ::kill(server.pid(), SIGTERM);
+  std::this_thread::sleep_for(milliseconds(100));
+  EXPECT_EQ(call(server.port(), "GET", "/readyz").status, 503);
+  EXPECT_EQ(call(server.port(), "GET", "/healthz").status, 200);
+  const Answer refused = call(server.port(), "POST", "/v1/jobs?method=advancing-front", cloud_);
+  EXPECT_EQ(refused.status, 503);
+  EXPECT_THAT(refused.body, HasSubstr("the server is stopping"));
+  // A long poll is answered with the result, or at the latest when the server ends.
+  EXPECT_EQ(testing::job_of(server.port(), running, "?wait=30").at("status"), "successful");
+  EXPECT_EQ(server.end(SIGTERM), 0);
+  const testing::ServerProcess again(path("data"));
+  EXPECT_EQ(testing::wait_for_end(again.port(), waiting).at("attempt"), 1) << "it was not begun while stopping";
+}
+
+TEST_F(OperationsTest, a_job_that_was_given_back_at_a_stop_has_lost_nothing_but_time) {
+  std::optional<testing::ServerProcess> server(std::in_place, path("data"),
+                                               std::vector<std::string>{"--drain-time", "0"});
+  const std::string id =
+      submit(server->port(), testing::binary_ply(testing::random_points(kSanitized ? 20'000 : 200'000, 1)));
+  testing::wait_for_start(server->port(), id);
+  EXPECT_EQ(server->end(SIGTERM), 0);
+  server.emplace(path("data"));
+  const Json job = testing::wait_for_end(server->port(), id);
+  EXPECT_EQ(job.at("status"), "successful");
+  EXPECT_EQ(job.at("attempts").front().at("outcome"), "drained");
+}
+
+TEST_F(OperationsTest, the_numbers_of_the_service_are_there_for_prometheus) {
+  const testing::ServerProcess server(path("data"));
+  testing::wait_for_end(server.port(), submit(server.port(), cloud_));
+  testing::wait_for_end(server.port(), submit(server.port(), "no cloud"));
+  const Answer answer = call(server.port(), "GET", "/metrics");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_THAT(answer.headers.at("content-type"), HasSubstr("text/plain; version=0.0.4"));
+  for (const char* line : {R"(surfaced_attempts_total{method="advancing-front",outcome="done"} 1)",
+                           R"(surfaced_attempts_total{method="advancing-front",outcome="input_invalid"} 1)",
+                           R"(surfaced_http_requests_total{method="POST",route="/v1/jobs",status="201"} 2)",
+                           R"(surfaced_stage_seconds_count{method="advancing-front",stage="read"})",
+                           R"(surfaced_jobs{status="accepted"} 0)", "surfaced_ready 1", "surfaced_free_bytes",
+                           "surfaced_oldest_accepted_seconds 0"}) {
+    EXPECT_THAT(answer.body, HasSubstr(line));
+  }
+}
+
+TEST_F(OperationsTest, log_lines_are_json_that_ties_request_job_and_trace_together) {
+  const std::string trace = "0af7651916cd43dd8448eb211c80319c";
+  environment_ = "";
+  std::string request;
+  std::string id;
+  {
+    // The server writes to the standard error of whoever starts it; a shell gives it a file.
+    testing::ServerProcess server(path("data"), {"--log-format", "json"}, path("log"));
+    const Answer answer = call(server.port(), "POST", "/v1/jobs?method=advancing-front", cloud_,
+                               {{"traceparent", "00-" + trace + "-b7ad6b7169203331-01"}});
+    request = answer.headers.at("x-request-id");
+    id = Json::parse(answer.body).at("id");
+    testing::wait_for_end(server.port(), id);
+    EXPECT_EQ(server.end(SIGTERM), 0);
+  }
+  std::istringstream lines(text_of(path("log")));
+  int requests = 0;
+  int attempts = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const Json json = Json::parse(line);
+    EXPECT_TRUE(json.contains("time") && json.contains("level") && json.contains("message")) << line;
+    if (json.value("request_id", "") != request) continue;
+    EXPECT_EQ(json.at("trace_id"), trace) << line;
+    requests += json.at("message") == "request" && json.at("status") == 201 ? 1 : 0;
+    attempts += json.at("message") == "attempt ended" && json.at("job") == id ? 1 : 0;
+  }
+  EXPECT_EQ(requests, 1);
+  EXPECT_EQ(attempts, 1);
+}
+
+TEST_F(OperationsTest, a_backup_of_a_running_service_can_be_served) {
+  const testing::ServerProcess server(path("data"));
+  const std::string done = submit(server.port(), cloud_);
+  testing::wait_for_end(server.port(), done);
+  const std::string mesh = "/v1/jobs/" + done + "/outputs/mesh.glb";
+  const Answer before = call(server.port(), "GET", mesh);
+  ASSERT_EQ(run("backup " + path("copy").string() + " --data " + path("data").string()), 0) << text_of(path("err"));
+  EXPECT_THAT(text_of(path("out")), HasSubstr("copied 1 jobs"));
+  EXPECT_EQ(run("backup " + path("copy").string() + " --data " + path("data").string()), 2) << "it is not empty";
+  // What happens after it is not in it.
+  EXPECT_EQ(call(server.port(), "DELETE", "/v1/jobs/" + done).status, 200);
+  const testing::ServerProcess restored(path("copy"));
+  const Answer after = call(restored.port(), "GET", mesh);
+  EXPECT_EQ(after.status, 200);
+  EXPECT_EQ(after.body, before.body);
+  EXPECT_EQ(testing::job_of(restored.port(), done).at("status"), "successful");
+  const std::string next = submit(restored.port(), cloud_);
+  EXPECT_EQ(testing::wait_for_end(restored.port(), next).at("status"), "successful");
+}
+
+TEST_F(OperationsTest, files_are_not_swept_by_a_job_store_that_they_do_not_belong_to) {
+  std::string id;
+  {
+    testing::ServerProcess server(path("data"));
+    id = submit(server.port(), cloud_);
+    testing::wait_for_end(server.port(), id);
+    EXPECT_EQ(server.end(SIGTERM), 0);
+  }
+  std::filesystem::rename(path("data/jobs.sqlite"), path("kept.sqlite"));
+  EXPECT_EQ(run("serve --listen 127.0.0.1:0 --data " + path("data").string()), 2);
+  EXPECT_THAT(text_of(path("err")), HasSubstr("belong to the job store"));
+  for (const char* tail : {"", "-wal", "-shm"}) std::filesystem::remove(path("data/jobs.sqlite").string() + tail);
+  std::filesystem::rename(path("kept.sqlite"), path("data/jobs.sqlite"));
+  const testing::ServerProcess server(path("data"));
+  EXPECT_EQ(call(server.port(), "GET", "/v1/jobs/" + id + "/outputs/mesh.glb").status, 200);
+}
+
+TEST_F(OperationsTest, a_running_job_of_two_million_points_is_stopped_within_two_seconds) {
+  const testing::ServerProcess server(path("data"));
+  const std::string id =
+      submit(server.port(), testing::binary_ply(testing::random_points(kSanitized ? 50'000 : 2'000'000, 1)));
+  Json now = testing::wait_for_start(server.port(), id);
+  // Past reading, in the middle of the method.
+  for (int i = 0; i < 1000 && (now.at("phase").is_null() || now.at("phase") == "read"); ++i) {
+    std::this_thread::sleep_for(milliseconds(20));
+    now = testing::job_of(server.port(), id);
+  }
+  ASSERT_EQ(now.at("status"), "running") << now.dump();
+  ASSERT_EQ(server.children().size(), 1U);
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_EQ(call(server.port(), "DELETE", "/v1/jobs/" + id).status, 202);
+  while (!server.children().empty() && std::chrono::steady_clock::now() - began < std::chrono::seconds(10)) {
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  const auto took = std::chrono::steady_clock::now() - began;
+  EXPECT_LT(took, std::chrono::seconds(2));
+  RecordProperty("milliseconds", static_cast<int>(std::chrono::duration_cast<milliseconds>(took).count()));
+  EXPECT_EQ(testing::job_of(server.port(), id).at("attempts").front().at("outcome"), "cancelled");
+}
+
+}  // namespace
+}  // namespace surfaced

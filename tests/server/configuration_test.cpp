@@ -1,0 +1,152 @@
+#include "config/configuration.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include "support/temporary_directory.hpp"
+
+namespace surfaced {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// As a table of Markdown can hold it.
+std::string in_words(std::string allowed) {
+  for (std::size_t at = 0; (at = allowed.find('|', at)) != allowed.npos; at += 4) allowed.replace(at, 1, " or ");
+  return allowed;
+}
+
+class ConfigurationTest : public ::testing::Test {
+ protected:
+  ConfigurationTest() {
+    sources_.flags["data"] = "/tmp";
+    sources_.environment = [this](const std::string& name) {
+      const auto found = environment_.find(name);
+      return found == environment_.end() ? std::nullopt : std::optional(found->second);
+    };
+  }
+  std::string write(const std::string& name, const std::string& content) {
+    const auto path = directory_.path() / name;
+    std::ofstream(path) << content;
+    return path.string();
+  }
+  Configuration read() const { return read_configuration(sources_); }
+  std::string source_of(const Configuration& configuration, std::string_view name) const {
+    for (const auto& entry : configuration.entries) {
+      if (entry.setting->name == name) return entry.source;
+    }
+    return "absent";
+  }
+
+  testing::TemporaryDirectory directory_;
+  std::map<std::string, std::string> environment_;
+  Sources sources_;
+};
+
+TEST_F(ConfigurationTest, a_flag_wins_over_the_environment_and_that_over_the_file) {
+  sources_.file = write("c.json", R"({"queue-limit": 1, "workers": 2, /* why */ "ttl": "3 s"})");
+  environment_ = {{"SURFACED_QUEUE_LIMIT", "10"}, {"SURFACED_WORKERS", "20"}};
+  sources_.flags["queue-limit"] = "100";
+  const Configuration configuration = read();
+  EXPECT_THAT(configuration.problems, IsEmpty());
+  EXPECT_EQ(configuration.settings.queue_limit, 100U);
+  EXPECT_EQ(configuration.settings.workers, 20U);
+  EXPECT_EQ(configuration.settings.ttl, 3U);
+  EXPECT_EQ(source_of(configuration, "queue-limit"), "--queue-limit");
+  EXPECT_EQ(source_of(configuration, "workers"), "SURFACED_WORKERS");
+  EXPECT_EQ(source_of(configuration, "ttl"), "file");
+  EXPECT_EQ(source_of(configuration, "lease"), "default");
+  EXPECT_EQ(configuration.entries.size(), setting_table().size());
+}
+
+TEST_F(ConfigurationTest, a_value_can_lie_in_a_file_of_its_own) {
+  environment_ = {{"SURFACED_LISTEN_FILE", write("listen", "127.0.0.1:99\n")}};
+  const Configuration configuration = read();
+  EXPECT_EQ(configuration.settings.listen, "127.0.0.1:99");
+  EXPECT_EQ(source_of(configuration, "listen"), "SURFACED_LISTEN_FILE");
+  environment_["SURFACED_LISTEN"] = "127.0.0.1:98";
+  EXPECT_THAT(read().problems, ElementsAre("SURFACED_LISTEN and SURFACED_LISTEN_FILE are both set"));
+  environment_ = {{"SURFACED_LISTEN_FILE", "/nonexistent"}};
+  EXPECT_THAT(read().problems, ElementsAre(HasSubstr("'/nonexistent', which cannot be read")));
+}
+
+TEST_F(ConfigurationTest, everything_that_is_wrong_is_told_at_once_with_the_value_and_what_is_allowed) {
+  sources_.file = write("c.json", R"({"queue-limit": -1, "nonsense": 1, "log-format": "xml"})");
+  environment_ = {{"SURFACED_LEASE", "1 h"}};
+  sources_.flags["job-output"] = "5 PiB";
+  sources_.flags["bodies"] = "64";
+  EXPECT_THAT(read().problems,
+              ::testing::UnorderedElementsAre(HasSubstr("queue-limit is -1 in the file"),
+                                              HasSubstr("sets 'nonsense', which is no setting"),
+                                              "log-format is 'xml'; allowed is text|json (from file)",
+                                              "lease is '1 h'; allowed is 3 s to 3600 s (from SURFACED_LEASE)",
+                                              HasSubstr("job-output is '5 PiB'; allowed is 1 MiB to"),
+                                              "bodies is 64; allowed is less than http-threads, which is 64"));
+}
+
+TEST_F(ConfigurationTest, sizes_take_units_and_nothing_that_overflows) {
+  Settings settings;
+  const auto* const memory = &*std::ranges::find(setting_table(), "job-memory", &Setting::name);
+  for (const auto& [text, bytes] : std::map<std::string, std::uint64_t>{{"4096", 4096},
+                                                                        {"64KiB", 65536},
+                                                                        {"4 GiB", std::uint64_t{4} << 30},
+                                                                        {"1m", 1 << 20},
+                                                                        {"2 TB", std::uint64_t{2} << 40}}) {
+    EXPECT_TRUE(assign(*memory, text, settings).ok()) << text;
+    EXPECT_EQ(settings.job_memory, bytes) << text;
+  }
+  for (const char* text : {"", "x", "-1", "1.5G", "99999999999 TiB", "18446744073709551616", "1 GiB extra"}) {
+    EXPECT_FALSE(assign(*memory, text, settings).ok()) << text;
+  }
+}
+
+TEST_F(ConfigurationTest, what_is_shown_can_be_read_again) {
+  const Settings defaults;
+  for (const Setting& setting : setting_table()) {
+    Settings read_again;
+    const std::string text = shown(setting, defaults);
+    if (text.empty()) continue;
+    EXPECT_TRUE(assign(setting, text, read_again).ok()) << setting.name << " " << text;
+    EXPECT_EQ(shown(setting, read_again), text);
+  }
+}
+
+TEST_F(ConfigurationTest, the_data_folder_has_no_default) {
+  sources_.flags.clear();
+  EXPECT_THAT(read().problems, ElementsAre("data is not set; it has no default"));
+}
+
+TEST_F(ConfigurationTest, the_machine_is_asked_whether_it_can_do_what_is_wanted) {
+  sources_.flags["data"] = write("file", "x") + "/data";
+  sources_.flags["connections"] = "100000";
+  sources_.flags["job-memory"] = "1000 TiB";
+  Configuration configuration = read();
+  EXPECT_THAT(configuration.problems, IsEmpty());
+  check_machine(configuration);
+  EXPECT_THAT(configuration.problems, ::testing::Contains(HasSubstr("is no folder that this user can write")));
+  EXPECT_THAT(configuration.warnings, ::testing::Contains(HasSubstr("may use more than the machine's")));
+}
+
+TEST_F(ConfigurationTest, the_documentation_lists_every_setting_with_its_variable_default_and_bounds) {
+  std::ifstream file(SURFACED_SOURCE "/docs/operations.md");
+  std::ostringstream text;
+  text << file.rdbuf();
+  const Settings defaults;
+  for (const Setting& setting : setting_table()) {
+    std::string standard = shown(setting, defaults);
+    if (standard.empty()) standard = "none";
+    const std::string row = "| `" + std::string(setting.name) + "` | " + standard + " | " + in_words(allowed(setting)) +
+                            " | " + std::string(setting.text) + " |";
+    EXPECT_THAT(text.str(), HasSubstr(row)) << "missing or different in docs/operations.md";
+  }
+}
+
+}  // namespace
+}  // namespace surfaced
