@@ -144,7 +144,7 @@ TEST_F(ConfigurationTest, the_documentation_lists_every_setting_with_its_variabl
     if (standard.empty()) standard = "none";
     const std::string row = "| `" + std::string(setting.name) + "` | " + standard + " | " + in_words(allowed(setting)) +
                             " | " + std::string(setting.text) + " |";
-    EXPECT_THAT(text.str(), HasSubstr(row)) << "missing or different in docs/operations.md";
+    EXPECT_TRUE(text.str().find(row) != std::string::npos) << "missing or different in docs/operations.md: " << row;
   }
 }
 

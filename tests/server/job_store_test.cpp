@@ -13,6 +13,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
 
 class JobStoreTest : public ::testing::Test {
  protected:
@@ -381,7 +382,7 @@ TEST_F(JobStoreTest, kept_names_every_artifact_that_a_job_refers_to) {
   settle(claim().claim(), Outcome::done, {{"mesh.glb", 1, 1, "x"}, {"log.txt", 1, 1, "y"}});
   const Job waiting = submit();
   const Artifacts kept = store_->kept().value();
-  EXPECT_THAT(kept.inputs, ElementsAre(done.id, waiting.id));
+  EXPECT_THAT(kept.inputs, UnorderedElementsAre(done.id, waiting.id));
   ASSERT_EQ(kept.outputs.size(), 1U);
   EXPECT_EQ(kept.outputs.front().job, done.id);
 }
