@@ -64,9 +64,10 @@ Method intrinsic_delaunay_method() {
                .source = "W. Gong, Y.-J. Liu, K. Tang, T. Wu, Approximate Delaunay mesh reconstruction and quality "
                          "estimation from point samples, Journal of Computational and Applied Mathematics 274 "
                          "(2015)",
-               .guarantees = {"The mesh is consistently oriented, edge- and vertex-manifold.",
-                              "Every vertex of the mesh is an input point, save those that upsample and fill_holes=all add.",
-                              "Closed parts face outwards."},
+               .guarantees =
+                   {"The mesh is consistently oriented, edge- and vertex-manifold.",
+                    "Every vertex of the mesh is an input point, save those that upsample and fill_holes=all add.",
+                    "Closed parts face outwards."},
                .limitations = {"Closedness is reported, not promised.",
                                "The mesh may intersect itself where parts come closer than the points are dense.",
                                "Points may stay unused; the report counts them."},

@@ -169,7 +169,8 @@ TEST(FillHoles, leaves_loops_of_two_sheets_that_touch_in_a_vertex_and_names_it) 
   const FillReport report = fill(mesh);
   EXPECT_EQ(report.filled, 0U);
   ASSERT_EQ(report.left.size(), 2U);
-  for (const LoopLeft& left : report.left) EXPECT_NE(left.reason.find("in (0, 0, 0)"), std::string::npos) << left.reason;
+  for (const LoopLeft& left : report.left)
+    EXPECT_NE(left.reason.find("in (0, 0, 0)"), std::string::npos) << left.reason;
   EXPECT_EQ(mesh.triangles.size(), triangles);
 }
 
