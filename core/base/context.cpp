@@ -40,6 +40,12 @@ void Context::enter(std::string_view stage, double until) {
   emit();
 }
 
+Status Context::begin(std::string_view stage, double until) {
+  enter(stage, until);
+  if (cancelled()) return Error{ErrorCode::cancelled, "cancelled at stage " + std::string(stage)};
+  return Done{};
+}
+
 void Context::report(double fraction_of_stage) {
   const std::scoped_lock lock(mutex_);
   const double fraction = from_ + std::clamp(fraction_of_stage, 0.0, 1.0) * (until_ - from_);

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/error.hpp"
+
 namespace surfaced {
 
 /// Wall time of one stage of a run.
@@ -40,6 +42,9 @@ class Context {
   /// Ends the current stage and begins the named one, which takes the progress up to `until` (0..1) of
   /// the section. Entering a name again adds to its time.
   void enter(std::string_view stage, double until);
+
+  /// Enters the stage, unless the caller wants to stop.
+  Status begin(std::string_view stage, double until);
 
   /// Reports how much of the current stage is done (0..1).
   void report(double fraction_of_stage);

@@ -42,21 +42,14 @@ class Run {
   }
 
  private:
-  /// Enters a stage unless the caller wants to stop.
-  Status begin(std::string_view stage, double until) {
-    context_.enter(stage, until);
-    if (context_.cancelled()) return Error{ErrorCode::cancelled, "cancelled at stage " + std::string(stage)};
-    return Done{};
-  }
-
   /// All that needs the neighbourhoods; they are gone when the mesh takes its room.
   Status triangulate() {
-    if (Status begun = begin("neighbourhoods", 0.7); !begun) return begun;
+    if (Status begun = context_.begin("neighbourhoods", 0.7); !begun) return begun;
     const BoxTree tree(cloud_.positions, context_.threads());
     Result<LocalStars> stars = local_stars(tree, parameters_.stars, context_);
     if (!stars) return std::move(stars).error();
 
-    if (Status begun = begin("consensus", 0.8); !begun) return begun;
+    if (Status begun = context_.begin("consensus", 0.8); !begun) return begun;
     FaceMasks faces = agreed_faces(*stars, context_.threads());
     result_.statistics.one_sided_faces = orient(*stars, faces);
     if (normals_ == Normals::away_from_centre) turn_away(tree, *stars);
@@ -66,7 +59,7 @@ class Run {
     Places places(tree, *stars, parameters_.sewing);
     drop_forbidden_faces(fans, places);
 
-    if (Status begun = begin("front", 0.9); !begun) return begun;
+    if (Status begun = context_.begin("front", 0.9); !begun) return begun;
     if (Status advanced = sew(fans, places); !advanced) return advanced;
     if (Status filled = finish(fans, places); !filled) return filled;
     if (parameters_.improve) {
@@ -141,7 +134,7 @@ class Run {
   Status finish(Fans& fans, Places& places) {
     Statistics& s = result_.statistics;
     if (parameters_.fill_small_holes) {
-      if (Status begun = begin("holes", 0.95); !begun) return begun;
+      if (Status begun = context_.begin("holes", 0.95); !begun) return begun;
       const double least_cosine = fans.points() <= kHandful ? kHandfulCosine : kClosingCosine;
       s.holes_closed = close_holes(fans, places, fans.unsettled(), {kSmallHole, least_cosine});
       const Result<std::size_t> repaired = repair_holes(fans, places, kSmallDamage, context_);

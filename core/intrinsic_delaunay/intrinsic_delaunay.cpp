@@ -32,8 +32,7 @@ Result<IntrinsicDelaunayResult> intrinsic_delaunay(const PointCloud& cloud, cons
   IntrinsicDelaunayStatistics statistics;
   // Step 6: flip(e), once all triangles are there.
   const auto flip = [&](front::Fans& fans, front::Places& places, Context& c) -> Status {
-    c.enter("flips", 0.97);
-    if (c.cancelled()) return Error{ErrorCode::cancelled, "cancelled at stage flips"};
+    if (Status begun = c.begin("flips", 0.97); !begun) return begun;
     const Result<idt::FlipCounts> counts = idt::flip_edges(fans, places, c);
     if (!counts) return counts.error();
     statistics.flips = counts->flips;

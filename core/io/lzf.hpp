@@ -7,9 +7,6 @@
 
 namespace surfaced::io {
 
-/// No three bytes of LZF make more than this many.
-inline constexpr std::size_t kLzfMost = 264;
-
 /// Decompresses into `out`.
 /// @return  the number of bytes written, or none if the data are broken or do not fit.
 /// @cost    O(out).

@@ -66,7 +66,7 @@ class Run {
     const Criterion criterion(*complex);
     result_.statistics.cells = complex->cells();
 
-    if (Status begun = begin("boundary-complex", 0.65); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("boundary-complex", 0.65); !begun) return std::move(begun).error();
     const bool connected = parameters_.components == Parameters::Components::one;
     FacetRatings ratings;
     const auto rate = [&](unsigned threads) { ratings = rate_facets(*complex, threads); };
@@ -88,7 +88,7 @@ class Run {
       if (Status joined = join(*labels, *boundary, criterion); !joined) return std::move(joined).error();
       measures = measure(*labels, criterion);
     }
-    if (Status begun = begin("surface", 1); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("surface", 1); !begun) return std::move(begun).error();
     parallel_tasks(context_.threads(), 2, [&](std::size_t task) {
       if (task == 0) {
         summarise(*labels, criterion, measures);
@@ -100,13 +100,6 @@ class Run {
   }
 
  private:
-  /// Enters a stage unless the caller wants to stop.
-  Status begin(std::string_view stage, double until) {
-    context_.enter(stage, until);
-    if (context_.cancelled()) return Error{ErrorCode::cancelled, "cancelled at stage " + std::string(stage)};
-    return Done{};
-  }
-
   bool wants_watershed() const {
     return parameters_.lids == Parameters::Lids::watershed && parameters_.variant != Parameters::Variant::paper &&
            parameters_.stop_after != Parameters::StopAfter::boundary_complex;
@@ -120,7 +113,7 @@ class Run {
       if (!covered) return std::move(covered).error();
       return finish(complex, cells_behind(complex, covered->facets), boundary, criterion);
     }
-    if (Status begun = begin("watershed", 0.7); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("watershed", 0.7); !begun) return std::move(begun).error();
     const RatedFacets rated = with_evidence(complex, std::move(ratings), boundary.facets, context_.threads());
     const bool fast =
         parameters_.variant == Parameters::Variant::fast || parameters_.stop_after == Parameters::StopAfter::inflated;
@@ -141,7 +134,7 @@ class Run {
   /// BC with lids; `labels` are the cells already taken in.
   Result<Covered> cover(const DelaunayComplex& complex, const BoundaryComplex& boundary, const Criterion& criterion,
                         const Labelling& labels, Parameters::Lids lids) {
-    if (Status begun = begin("cover-holes", 0.75); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("cover-holes", 0.75); !begun) return std::move(begun).error();
     Result<Covered> covered = Covered{boundary.facets};
     if (lids == Parameters::Lids::paper) covered = cover_by_artifacts(Walls{labels, boundary.facets});
     if (lids == Parameters::Lids::ball) {
@@ -164,7 +157,7 @@ class Run {
                                const Criterion& criterion) {
     Labelling labels(complex);
     labels.assign(cells_behind(complex, boundary.facets), context_.threads());
-    if (Status begun = begin("conform", 0.7); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("conform", 0.7); !begun) return std::move(begun).error();
     const Result<std::size_t> conforming = make_conforming(labels, boundary.facets, criterion, context_);
     if (!conforming) return conforming.error();
     result_.statistics.conforming_cells = *conforming;
@@ -177,14 +170,14 @@ class Run {
     for (std::size_t c = 0; c < in.size(); ++c) in[c] = in[c] != 0 || labels.in(CellIndex(c)) ? 1 : 0;
     labels.assign(in, context_.threads());
 
-    if (Status begun = begin("inflate", 0.85); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("inflate", 0.85); !begun) return std::move(begun).error();
     const Result<Inflated> inflated = inflate(labels, covered->facets, criterion, context_, context_.threads());
     if (!inflated) return inflated.error();
     result_.statistics.inflated_cells = inflated->cells;
     result_.statistics.forced_cells = inflated->forced;
     if (parameters_.stop_after == Parameters::StopAfter::inflated) return labels;
 
-    if (Status begun = begin("sculpture", 0.95); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("sculpture", 0.95); !begun) return std::move(begun).error();
     const Result<Sculptured> sculptured = sculpture(labels, covered->facets, criterion, context_);
     if (!sculptured) return sculptured.error();
     result_.statistics.exposed_vertices = sculptured->exposed;
@@ -197,7 +190,7 @@ class Run {
                            const BoundaryComplex& boundary, const Criterion& criterion) {
     Labelling labels(complex);
     labels.assign(in, context_.threads());
-    if (Status begun = begin("inflate", 0.85); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("inflate", 0.85); !begun) return std::move(begun).error();
     const Result<Inflated> inflated = inflate(labels, boundary.facets, criterion, context_, context_.threads());
     if (!inflated) return inflated.error();
     result_.statistics.inflated_cells = inflated->cells;
@@ -208,7 +201,7 @@ class Run {
   }
 
   Status descend_to_end(Labelling& labels, const Criterion& criterion) {
-    if (Status begun = begin("descent", 0.95); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("descent", 0.95); !begun) return std::move(begun).error();
     const Result<Descent> descent = descend(labels, criterion, context_, context_.threads());
     if (!descent) return descent.error();
     result_.statistics.exposed_vertices += descent->exposed;
@@ -219,13 +212,13 @@ class Run {
   /// All candidates, the best of them, what is better in the others, and surgery.
   Result<Labelling> best(const Material& material) {
     const bool one = parameters_.components == Parameters::Components::one;
-    if (Status begun = begin("candidates", 0.85); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("candidates", 0.85); !begun) return std::move(begun).error();
     Result<std::vector<Candidate>> candidates = make_candidates(material, context_);
     if (!candidates) return std::move(candidates).error();
     const std::size_t chosen = best_of(*candidates, one);
     record(*candidates, chosen, material.criterion);
 
-    if (Status begun = begin("fuse", 0.88); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("fuse", 0.88); !begun) return std::move(begun).error();
     Labelling labels = candidates->at(chosen).labels;
     SurfaceSearch search(material.complex);
     double margin = std::numeric_limits<double>::infinity();
@@ -237,7 +230,7 @@ class Run {
     }
     if (std::isfinite(margin)) result_.statistics.topology_margin = margin;
 
-    if (Status begun = begin("surgery", 0.92); !begun) return std::move(begun).error();
+    if (Status begun = context_.begin("surgery", 0.92); !begun) return std::move(begun).error();
     if (measure(labels, material.criterion).handles() > 0) {
       const Result<Surgery> surgery = operate(labels, material.criterion, search, context_, context_.threads());
       if (!surgery) return surgery.error();
@@ -263,7 +256,7 @@ class Run {
 
   /// components=one: bridges between what is still apart.
   Status join(Labelling& labels, const BoundaryComplex& boundary, const Criterion& criterion) {
-    if (Status begun = begin("bridge", 0.97); !begun) return begun;
+    if (Status begun = context_.begin("bridge", 0.97); !begun) return begun;
     const Result<Bridged> bridged = bridge(labels, boundary.facets, criterion, context_, context_.threads());
     if (!bridged) return bridged.error();
     result_.statistics.bridges = bridged->components_before - bridged->components;

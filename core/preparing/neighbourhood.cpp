@@ -56,22 +56,4 @@ double spacing_of(const std::vector<Point3>& positions, unsigned threads) {
   return preparing::median_of(preparing::mean_distances(positions, kNeighbours, threads));
 }
 
-std::vector<VertexIndex> nearest_of(const std::vector<Point3>& positions, const std::vector<Point3>& queries,
-                                    unsigned threads) {
-  const preparing::Adaptor adaptor{positions};
-  const preparing::Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  std::vector<VertexIndex> nearest(queries.size());
-  parallel_ranges(threads, queries.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t q = begin; q < end; ++q) {
-      // The second tells whether the distance ties; the tree's order decides further ties, the same in every run.
-      std::array<std::uint32_t, 2> index{};
-      std::array<double, 2> squared{};
-      const std::size_t found = tree.knnSearch(queries[q].data(), index.size(), index.data(), squared.data());
-      const bool tie = found == 2 && squared[0] == squared[1];
-      nearest[q] = VertexIndex(std::size_t{tie ? std::min(index[0], index[1]) : index[0]});
-    }
-  });
-  return nearest;
-}
-
 }  // namespace surfaced

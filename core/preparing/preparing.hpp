@@ -13,11 +13,6 @@ namespace surfaced {
 /// @cost  O(V log V).
 double spacing_of(const std::vector<Point3>& positions, unsigned threads);
 
-/// For every query the nearest of the positions, of which there is one at least; among two at the same distance the one
-/// of lesser index.
-std::vector<VertexIndex> nearest_of(const std::vector<Point3>& positions, const std::vector<Point3>& queries,
-                                    unsigned threads);
-
 /// Removes the points whose mean distance to their 12 nearest exceeds `factor` times the median of it.
 Result<PointCloud> without_outliers(const PointCloud& cloud, double factor, Context& context);
 

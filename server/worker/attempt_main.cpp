@@ -1,33 +1,16 @@
 #include "worker/attempt_main.hpp"
 
-#include <unistd.h>
-
-#include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <iostream>
-#include <new>
 
 #include "io/io.hpp"
 #include "platform/files.hpp"
 #include "reconstruction/reconstruction.hpp"
 #include "worker/attempt_protocol.hpp"
-#include "worker/confinement.hpp"
+#include "worker/confined_work.hpp"
 #include "worker/convert.hpp"
 
 namespace surfaced {
 namespace {
-
-void send(const std::string& message) {
-  // Nobody to tell if this fails: then the server is gone, and its death is this process's.
-  [[maybe_unused]] const Status ignored = write_all(kMessageDescriptor, as_bytes(message), "tell the server");
-}
-
-int give_up(const Error& error) {
-  std::cerr << "problem " << name_of(error.code) << ": " << error.detail << std::endl;
-  send(encode(error));
-  return exit_code_of(error.code);
-}
 
 void log_report(const Json& report) {
   if (const auto warnings = report.find("warnings"); warnings != report.end()) {
@@ -56,7 +39,7 @@ Status reconstruct(const AttemptSpec& spec) {
                             "the cloud",
                             spec.points.empty() ? std::filesystem::path() : spec.directory / spec.points};
   Context context(spec.limits.threads, [](double fraction, std::string_view stage) {
-    send(encode(ProgressMessage{fraction, std::string(stage)}));
+    tell_server(encode(ProgressMessage{fraction, std::string(stage)}));
   });
   const Result<Json> report = reconstruct_file(request, context);
   if (!report) return report.error();
@@ -71,24 +54,6 @@ Status reconstruct(const AttemptSpec& spec) {
 
 }  // namespace
 
-int attempt_main(const std::string& description) {
-  const auto spec = decode_attempt(description);
-  if (!spec) {
-    std::cerr << spec.error().detail << "\n";
-    return exit_code_of(spec.error().code);
-  }
-  try {
-    const auto confined = confine_this_process(*spec);
-    if (!confined) return give_up(confined.error());
-    std::cerr << "confined by " << *confined << std::endl;
-    const Status done = reconstruct(*spec);
-    return done ? 0 : give_up(done.error());
-  } catch (const std::bad_alloc&) {
-    return give_up({ErrorCode::out_of_memory,
-                    "an allocation failed; the limit is " + std::to_string(spec->limits.memory_bytes) + " bytes"});
-  } catch (const std::exception& failure) {
-    return give_up({ErrorCode::internal_error, failure.what()});
-  }
-}
+int attempt_main(const std::string& description) { return run_confined(description, reconstruct); }
 
 }  // namespace surfaced

@@ -1,13 +1,10 @@
 #include "worker/side_main.hpp"
 
 #include <fstream>
-#include <iostream>
-#include <new>
 
 #include "io/io.hpp"
 #include "platform/files.hpp"
-#include "worker/attempt_protocol.hpp"
-#include "worker/confinement.hpp"
+#include "worker/confined_work.hpp"
 #include "worker/convert.hpp"
 #include "worker/side_task.hpp"
 
@@ -15,33 +12,6 @@ namespace surfaced {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-int give_up(const Error& error) {
-  // Nobody to tell if this fails: then the server is gone, and its death is this process's.
-  [[maybe_unused]] const Status ignored = write_all(kMessageDescriptor, as_bytes(encode(error)), "tell the server");
-  return exit_code_of(error.code);
-}
-
-/// What every child does around its work.
-template <class Work>
-int confined(const std::string& description, const Work& work) {
-  const auto spec = decode_attempt(description);
-  if (!spec) {
-    std::cerr << spec.error().detail << "\n";
-    return exit_code_of(spec.error().code);
-  }
-  try {
-    const auto how = confine_this_process(*spec);
-    if (!how) return give_up(how.error());
-    const Status done = work(*spec);
-    return done ? 0 : give_up(done.error());
-  } catch (const std::bad_alloc&) {
-    return give_up({ErrorCode::out_of_memory,
-                    "an allocation failed; the limit is " + std::to_string(spec->limits.memory_bytes) + " bytes"});
-  } catch (const std::exception& failure) {
-    return give_up({ErrorCode::internal_error, failure.what()});
-  }
-}
 
 Status inspect(const AttemptSpec& spec) {
   auto raw = read_cloud(spec.cloud, ReadLimits{spec.limits.max_points}, "the cloud");
@@ -70,8 +40,8 @@ Status convert(const AttemptSpec& spec) {
 
 }  // namespace
 
-int inspect_main(const std::string& description) { return confined(description, inspect); }
+int inspect_main(const std::string& description) { return run_confined(description, inspect); }
 
-int convert_main(const std::string& description) { return confined(description, convert); }
+int convert_main(const std::string& description) { return run_confined(description, convert); }
 
 }  // namespace surfaced

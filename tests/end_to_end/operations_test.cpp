@@ -6,6 +6,7 @@
 #include <sstream>
 #include <thread>
 
+#include "support/limited_child.hpp"
 #include "support/service_client.hpp"
 #include "support/shapes.hpp"
 #include "support/temporary_directory.hpp"
@@ -19,12 +20,6 @@ using testing::Answer;
 using ::testing::AnyOf;
 using testing::call;
 using ::testing::HasSubstr;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
 
 std::string text_of(const std::filesystem::path& file) {
   std::ostringstream text;
@@ -79,8 +74,8 @@ TEST_F(OperationsTest, check_config_and_serve_refuse_what_is_wrong_with_exit_cod
 
 TEST_F(OperationsTest, a_server_that_is_told_to_stop_is_unready_at_once_and_answers_until_its_jobs_have_ended) {
   testing::ServerProcess server(path("data"), {"--drain-time", "60", "--workers", "1"});
-  const std::string running =
-      submit(server.port(), testing::binary_ply(testing::random_points(kSanitized ? 20'000 : 200'000, 1)));
+  const std::string running = submit(
+      server.port(), testing::binary_ply(testing::random_points(testing::measuring_is_moot() ? 20'000 : 200'000, 1)));
   testing::wait_for_start(server.port(), running);
   const std::string waiting = submit(server.port(), cloud_);
   ::kill(server.pid(), SIGTERM);
@@ -100,8 +95,8 @@ TEST_F(OperationsTest, a_server_that_is_told_to_stop_is_unready_at_once_and_answ
 TEST_F(OperationsTest, a_job_that_was_given_back_at_a_stop_has_lost_nothing_but_time) {
   std::optional<testing::ServerProcess> server(std::in_place, path("data"),
                                                std::vector<std::string>{"--drain-time", "0"});
-  const std::string id =
-      submit(server->port(), testing::binary_ply(testing::random_points(kSanitized ? 20'000 : 200'000, 1)));
+  const std::string id = submit(
+      server->port(), testing::binary_ply(testing::random_points(testing::measuring_is_moot() ? 20'000 : 200'000, 1)));
   testing::wait_for_start(server->port(), id);
   EXPECT_EQ(server->end(SIGTERM), 0);
   server.emplace(path("data"));
@@ -196,8 +191,8 @@ TEST_F(OperationsTest, files_are_not_swept_by_a_job_store_that_they_do_not_belon
 
 TEST_F(OperationsTest, a_running_job_of_two_million_points_is_stopped_within_two_seconds) {
   const testing::ServerProcess server(path("data"));
-  const std::string id =
-      submit(server.port(), testing::binary_ply(testing::random_points(kSanitized ? 50'000 : 2'000'000, 1)));
+  const std::string id = submit(
+      server.port(), testing::binary_ply(testing::random_points(testing::measuring_is_moot() ? 50'000 : 2'000'000, 1)));
   Json now = testing::wait_for_start(server.port(), id);
   // Past reading, in the middle of the method.
   for (int i = 0; i < 1000 && (now.at("phase").is_null() || now.at("phase") == "read"); ++i) {

@@ -9,6 +9,7 @@
 #include <random>
 #include <thread>
 
+#include "support/limited_child.hpp"
 #include "support/service_client.hpp"
 #include "support/shapes.hpp"
 #include "support/temporary_directory.hpp"
@@ -20,12 +21,6 @@ using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 using testing::Answer;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
 
 class ServiceTest : public ::testing::Test {
  protected:
@@ -222,7 +217,7 @@ TEST_F(ServiceTest, a_large_upload_never_stands_in_memory) {
   std::string body = ply(std::vector<Point3>(6'000'000, Point3{std::numeric_limits<double>::quiet_NaN(), 0, 0}));
   ASSERT_GT(body.size(), std::size_t{64} << 20);
   EXPECT_EQ(code_of(call("POST", "/v1/reconstruct?method=advancing-front", body)), "coordinate_not_finite");
-  if (!kSanitized) {
+  if (!testing::measuring_is_moot()) {
     EXPECT_LT(testing::peak_megabytes(server_->pid()), 50);
   }
 }

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <thread>
 
+#include "support/limited_child.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace surfaced {
@@ -15,12 +16,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
 
 class AttemptRunnerTest : public ::testing::Test {
  protected:
@@ -84,7 +79,7 @@ TEST_F(AttemptRunnerTest, a_crash_names_its_signal) {
   const AttemptResult result = run("crash");
   EXPECT_EQ(result.outcome, Outcome::crashed);
   // A sanitizer takes the signal and exits by itself.
-  if (!kSanitized) {
+  if (!testing::measuring_is_moot()) {
     EXPECT_THAT(result.error->detail, HasSubstr("SIGSEGV"));
   }
 }
@@ -96,12 +91,12 @@ TEST_F(AttemptRunnerTest, an_exit_without_a_reason_is_a_crash) {
 }
 
 TEST_F(AttemptRunnerTest, a_child_that_allocates_without_end_meets_its_limit) {
-  if (kSanitized) GTEST_SKIP() << "the limit of memory is off under a sanitizer";
+  if (testing::measuring_is_moot()) GTEST_SKIP() << "the limit of memory is off under a sanitizer";
   EXPECT_EQ(run("allocate").outcome, Outcome::out_of_memory);
 }
 
 TEST_F(AttemptRunnerTest, memory_that_no_limit_of_the_kernel_counts_is_counted_by_the_server) {
-  if (kSanitized) GTEST_SKIP() << "a sanitizer's own memory is counted too";
+  if (testing::measuring_is_moot()) GTEST_SKIP() << "a sanitizer's own memory is counted too";
   const AttemptResult result = run("share");
   EXPECT_EQ(result.outcome, Outcome::out_of_memory);
   EXPECT_THAT(result.error->detail, HasSubstr("limit of 268435456 bytes"));
@@ -127,13 +122,13 @@ TEST_F(AttemptRunnerTest, a_confined_child_can_do_its_work) {
 }
 
 TEST_F(AttemptRunnerTest, a_child_can_start_no_process_and_signal_none) {
-  if (kSanitized) GTEST_SKIP() << "there is no filter of system calls under a sanitizer";
+  if (testing::measuring_is_moot()) GTEST_SKIP() << "there is no filter of system calls under a sanitizer";
   EXPECT_EQ(run("try fork").outcome, Outcome::done);
   EXPECT_EQ(run("try kill the parent").outcome, Outcome::done);
 }
 
 TEST_F(AttemptRunnerTest, a_socket_another_program_or_a_look_into_another_process_is_the_end_of_a_child) {
-  if (kSanitized) GTEST_SKIP() << "there is no filter of system calls under a sanitizer";
+  if (testing::measuring_is_moot()) GTEST_SKIP() << "there is no filter of system calls under a sanitizer";
   for (const char* what : {"try a socket", "try exec", "try ptrace"}) {
     const AttemptResult result = run(what);
     EXPECT_EQ(result.outcome, Outcome::crashed) << what;
