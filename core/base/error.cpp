@@ -32,4 +32,9 @@ bool error_code_named(std::string_view name, ErrorCode& code) {
   return true;
 }
 
+Error with_fault(Error error, Fault fault) {
+  error.fault = std::make_shared<const Fault>(std::move(fault));
+  return error;
+}
+
 }  // namespace surfaced

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,12 +26,27 @@ int exit_code_of(ErrorCode code);
 /// The code with this name; false if proto/errors.json has none.
 bool error_code_named(std::string_view name, ErrorCode& code);
 
+/// What of `detail` a program wants in pieces, where one named thing is wrong.
+struct Fault {
+  /// Name of the parameter, header, member of a body or flag.
+  std::string field;
+  /// As it was given; none if it is missing.
+  std::optional<std::string> value;
+  /// What would have been taken, in words.
+  std::string allowed;
+};
+
 /// Why something could not be done. `detail` says what, where, the offending value and the limit;
 /// the remedy stands with the code in proto/errors.json.
 struct Error {
   ErrorCode code;
   std::string detail;
+  /// Shared, because errors are copied. None where no single field is at fault.
+  std::shared_ptr<const Fault> fault{};
 };
+
+/// The error with its fault.
+Error with_fault(Error error, Fault fault);
 
 /// A value, or the error that stood in its way.
 template <class T>

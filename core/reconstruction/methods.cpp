@@ -66,7 +66,8 @@ Result<const MethodInfo*> find_method(std::string_view id) {
   if (found != infos().end()) return &*found;
   std::string known;
   for (const MethodInfo& info : infos()) known += (known.empty() ? "" : ", ") + info.id;
-  return Error{ErrorCode::unknown_method, "method '" + std::string(id) + "' is unknown; there are: " + known};
+  return with_fault({ErrorCode::unknown_method, "method '" + std::string(id) + "' is unknown; there are: " + known},
+                    {"method", std::string(id), "one of " + known});
 }
 
 Status check_makes_cloud(const MethodInfo& method) {

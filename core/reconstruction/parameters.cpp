@@ -76,8 +76,9 @@ Error unknown_parameter(const MethodInfo& method, const std::string& name) {
   std::string known;
   for (const auto& [each, schema] : method.parameters.at("properties").items())
     known += (known.empty() ? "" : ", ") + each;
-  return {ErrorCode::unknown_parameter,
-          "method '" + method.id + "' has no parameter '" + name + "'; its parameters are: " + known};
+  return with_fault({ErrorCode::unknown_parameter,
+                     "method '" + method.id + "' has no parameter '" + name + "'; its parameters are: " + known},
+                    {name, std::nullopt, "one of " + known});
 }
 
 /// The value in the one form that stands for it: integers as integers wherever the schema takes them.
@@ -93,17 +94,19 @@ Json canonical(const Json& value) {
 Result<Json> check_parameters(const MethodInfo& method, const Json& given) {
   const Json& properties = method.parameters.at("properties");
   if (!given.is_object()) {
-    return Error{ErrorCode::invalid_parameter,
-                 "parameters must be a JSON object, not " + std::string(given.type_name())};
+    return with_fault(
+        {ErrorCode::invalid_parameter, "parameters must be a JSON object, not " + std::string(given.type_name())},
+        {"parameters", std::string(given.type_name()), "an object"});
   }
   for (const auto& [name, value] : given.items()) {
     if (!properties.contains(name)) return unknown_parameter(method, name);
     if (!matches(properties.at(name), value)) {
       constexpr std::size_t kLongestEcho = 200;
-      return Error{ErrorCode::invalid_parameter,
-                   "parameter '" + name + "' is " +
-                       value.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, kLongestEcho) +
-                       "; allowed is " + allowed_by(properties.at(name))};
+      std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, kLongestEcho);
+      std::string allowed = allowed_by(properties.at(name));
+      return with_fault(
+          {ErrorCode::invalid_parameter, "parameter '" + name + "' is " + text + "; allowed is " + allowed},
+          {name, std::move(text), std::move(allowed)});
     }
   }
   Json complete = Json::object();
@@ -117,7 +120,10 @@ Result<Json> parameters_from_text(const MethodInfo& method,
                                   std::span<const std::pair<std::string, std::string>> given) {
   Json values = Json::object();
   for (const auto& [name, text] : given) {
-    if (values.contains(name)) return Error{ErrorCode::invalid_parameter, "parameter '" + name + "' is given twice"};
+    if (values.contains(name)) {
+      return with_fault({ErrorCode::invalid_parameter, "parameter '" + name + "' is given twice"},
+                        {name, text, "one value"});
+    }
     values[name] = value_from_text(text);
   }
   return check_parameters(method, values);

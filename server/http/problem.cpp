@@ -50,6 +50,11 @@ Json problem_json(const Error& error, std::string_view instance, std::string_vie
                {"detail", error.detail},
                {"code", name_of(error.code)},
                {"hint", row.hint}};
+  if (error.fault) {
+    problem["field"] = error.fault->field;
+    problem["value"] = error.fault->value ? Json(*error.fault->value) : Json();
+    problem["allowed"] = error.fault->allowed;
+  }
   if (!instance.empty()) problem["instance"] = instance;
   problem["request_id"] = request_id;
   return problem;
