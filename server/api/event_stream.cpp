@@ -15,6 +15,8 @@ constexpr std::size_t kLogPiece = std::size_t{32} << 10;
 /// What nobody says (a job that expires) is noticed after this time.
 constexpr std::chrono::seconds kLongestLook{1};
 constexpr std::string_view kDone = "done";
+/// Proxies close streams on which nothing moves; most wait for 30 s or longer.
+constexpr std::chrono::seconds kLongestSilence{10};
 
 }  // namespace
 
@@ -123,7 +125,10 @@ http::Feed::Piece EventStream::next(bool /*last*/) {
     add(piece.bytes, kDone, job_json(*job));
     piece.end = true;
   }
-  if (piece.bytes.empty()) piece.bytes = ": still here\n\n";
+  // A running job wakes its streams far more often than there is something to tell.
+  const auto time = std::chrono::steady_clock::now();
+  if (piece.bytes.empty() && time - told_ > kLongestSilence) piece.bytes = ": still here\n\n";
+  if (!piece.bytes.empty()) told_ = time;
   return piece;
 }
 

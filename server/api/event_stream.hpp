@@ -80,6 +80,7 @@ class EventStream {
   EventPosition position_;
   double progress_ = -1;
   std::string phase_;
+  std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace surfaced::api

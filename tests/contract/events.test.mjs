@@ -15,7 +15,7 @@ async function events(target, { headers = {}, enough = () => false } = {}) {
   const answer = await fetch(client.base + target, { headers });
   assert.equal(answer.status, 200);
   assert.equal(answer.headers.get('content-type'), 'text/event-stream');
-  const seen = [];
+  const seen = Object.assign([], { comments: 0 });
   let text = '';
   const decoder = new TextDecoder();
   for await (const bytes of answer.body) {
@@ -23,7 +23,10 @@ async function events(target, { headers = {}, enough = () => false } = {}) {
     for (let end = text.indexOf('\n\n'); end >= 0; end = text.indexOf('\n\n')) {
       const fields = Object.fromEntries(text.slice(0, end).split('\n').map((line) => [line.slice(0, line.indexOf(':')), line.slice(line.indexOf(':') + 2)]));
       text = text.slice(end + 2);
-      if (!fields.event) continue;
+      if (!fields.event) {
+        seen.comments += 1;
+        continue;
+      }
       seen.push({ event: fields.event, id: fields.id, data: JSON.parse(fields.data) });
       if (enough(seen.at(-1))) return seen;
     }
@@ -42,6 +45,7 @@ test('a stream tells of states, progress and log, ends with done, and resumes wh
   assert.equal(new Set(states).size, states.length, `no state twice: ${states}`);
   assert.equal(rest.at(-1).event, 'done');
   assert.equal(rest.at(-1).data.status, 'successful');
+  assert.ok(first.comments + rest.comments < 3, `${first.comments + rest.comments} comments where there is always something to tell`);
   const progress = rest.filter((each) => each.event === 'progress').map((each) => each.data.progress);
   assert.deepEqual(progress, [...progress].sort((a, b) => a - b), 'progress never falls');
   const log = await (await fetch(`${client.base}/v1/jobs/${body.id}/outputs/log.txt`)).text();
