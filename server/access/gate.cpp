@@ -15,9 +15,10 @@ using http::Response;
 constexpr std::chrono::seconds kLookAgain{1};
 
 /// What is open to everybody: probes, the contract, and what the methods are.
-constexpr auto kOpen = std::to_array<std::string_view>({"/", "/healthz", "/readyz", "/openapi.json",
-                                                        "/openapi-3.0.json", "/docs", "/conformance", "/v1/methods",
-                                                        "/v1/methods/{id}", "/processes", "/processes/{id}"});
+constexpr auto kOpen =
+    std::to_array<std::string_view>({"/", "/healthz", "/readyz", "/openapi.json", "/openapi-3.0.json", "/docs",
+                                     "/assets/{name}", "/samples", "/samples/{name}", "/licenses", "/conformance",
+                                     "/v1/methods", "/v1/methods/{id}", "/processes", "/processes/{id}"});
 
 /// Where something of the caller's is stored or queued.
 bool takes_space(const Request& request, std::string_view route) {

@@ -61,7 +61,7 @@ Response documentation(const Request& /*request*/) {
 }  // namespace
 
 void add_info_routes(http::Router& router, JobService& service, const RouteOptions& options) {
-  router.add("GET", "/", index);
+  add_viewer_routes(router, index);
   router.add("GET", "/openapi.json", contract);
   router.add("GET", "/docs", documentation);
   router.add("GET", "/v1/methods", [](Request&) { return json_response(200, {{"methods", methods_json()}}); });

@@ -35,6 +35,8 @@ void add_upload_routes(http::Router& router, JobService& service, CloudService& 
                        std::uint64_t most_bytes);
 void add_cloud_routes(http::Router& router, JobService& service, CloudService& clouds);
 void add_output_routes(http::Router& router, JobService& service);
+/// The viewer and the files it needs; `index` answers at the root whoever does not ask for HTML.
+void add_viewer_routes(http::Router& router, http::Handler index);
 void add_info_routes(http::Router& router, JobService& service, const RouteOptions& options);
 
 }  // namespace surfaced::api

@@ -1,0 +1,7 @@
+#include "web/assets.hpp"
+
+namespace surfaced::web {
+
+std::span<const Asset> assets() { return {}; }
+
+}  // namespace surfaced::web

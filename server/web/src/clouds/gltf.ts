@@ -1,0 +1,110 @@
+// Positions and triangles of glTF and GLB. three's GLTFLoader is not used: it also builds materials and textures, and its
+// Draco loader starts workers from blobs, which the page's policy forbids.
+import { Matrix4, Quaternion, Vector3 } from 'three';
+import { UnreadableCloud } from './cloud_data';
+import { decodeDraco } from './draco';
+
+interface Primitive {
+  attributes: Record<string, number>;
+  indices?: number;
+  mode?: number;
+  extensions?: { KHR_draco_mesh_compression?: { bufferView: number; attributes: Record<string, number> } };
+}
+interface Node {
+  mesh?: number;
+  children?: number[];
+  matrix?: number[];
+  translation?: number[];
+  rotation?: number[];
+  scale?: number[];
+  extras?: { origin?: [number, number, number] };
+}
+export interface Gltf {
+  asset: { extras?: unknown };
+  scene?: number;
+  scenes?: { nodes?: number[] }[];
+  nodes?: Node[];
+  meshes?: { primitives: Primitive[] }[];
+  accessors?: { bufferView?: number; byteOffset?: number; componentType: number; count: number; type: string }[];
+  bufferViews?: { byteOffset?: number; byteLength: number; byteStride?: number }[];
+  buffers?: { uri?: string; byteLength: number }[];
+}
+
+const kJson = 0x4e4f534a;
+
+export function openGlb(bytes: Uint8Array): { json: Gltf; buffer: Uint8Array } {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  const length = view.getUint32(12, true);
+  if (view.getUint32(16, true) !== kJson || 20 + length > bytes.length) throw new UnreadableCloud('the GLB has no JSON');
+  const json = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length))) as Gltf;
+  const at = 20 + length;
+  const buffer = at + 8 <= bytes.length ? bytes.subarray(at + 8, at + 8 + view.getUint32(at, true)) : new Uint8Array();
+  return { json, buffer };
+}
+
+export function openGltf(bytes: Uint8Array): { json: Gltf; buffer: Uint8Array } {
+  const json = JSON.parse(new TextDecoder().decode(bytes)) as Gltf;
+  const uri = json.buffers?.[0]?.uri ?? '';
+  if (!uri.startsWith('data:')) throw new UnreadableCloud('the glTF keeps its points in another file');
+  const text = atob(uri.slice(uri.indexOf(',') + 1));
+  return { json, buffer: Uint8Array.from(text, (c) => c.charCodeAt(0)) };
+}
+
+function readAccessor(json: Gltf, buffer: Uint8Array, index: number, components: number): Float32Array | Uint32Array {
+  const accessor = json.accessors?.[index];
+  const view = json.bufferViews?.[accessor?.bufferView ?? -1];
+  if (!accessor || !view) throw new UnreadableCloud('the glTF has a position without bytes');
+  const sizes: Record<number, number> = { 5121: 1, 5123: 2, 5125: 4, 5126: 4 };
+  const size = sizes[accessor.componentType] ?? 4;
+  const stride = view.byteStride ?? size * components;
+  const start = (view.byteOffset ?? 0) + (accessor.byteOffset ?? 0);
+  if (start + (accessor.count - 1) * stride + size * components > buffer.length) throw new UnreadableCloud('the glTF ends before its data does');
+  const data = new DataView(buffer.buffer, buffer.byteOffset, buffer.byteLength);
+  const out = accessor.componentType === 5126 ? new Float32Array(accessor.count * components) : new Uint32Array(accessor.count * components);
+  const get = { 5121: (at: number) => data.getUint8(at), 5123: (at: number) => data.getUint16(at, true), 5125: (at: number) => data.getUint32(at, true),
+    5126: (at: number) => data.getFloat32(at, true) }[accessor.componentType];
+  if (!get) throw new UnreadableCloud(`the glTF has numbers of the type ${accessor.componentType}, which is not expected here`);
+  for (let i = 0, to = 0; i < accessor.count; i += 1) {
+    for (let k = 0; k < components; k += 1) out[to++] = get(start + i * stride + k * size);
+  }
+  return out;
+}
+
+export async function readPrimitive(json: Gltf, buffer: Uint8Array, primitive: Primitive): Promise<{ positions: Float32Array; index?: Uint32Array }> {
+  const draco = primitive.extensions?.KHR_draco_mesh_compression;
+  if (draco) {
+    const view = json.bufferViews?.[draco.bufferView];
+    if (!view) throw new UnreadableCloud('the glTF has Draco data without bytes');
+    const start = view.byteOffset ?? 0;
+    return decodeDraco(buffer.slice(start, start + view.byteLength), draco.attributes.POSITION);
+  }
+  const positions = readAccessor(json, buffer, primitive.attributes.POSITION, 3) as Float32Array;
+  return primitive.indices === undefined ? { positions } : { positions, index: readAccessor(json, buffer, primitive.indices, 1) as Uint32Array };
+}
+
+function localMatrix(node: Node): Matrix4 {
+  if (node.matrix) return new Matrix4().fromArray(node.matrix);
+  const [t, r, s] = [node.translation ?? [0, 0, 0], node.rotation ?? [0, 0, 0, 1], node.scale ?? [1, 1, 1]];
+  return new Matrix4().compose(new Vector3(...t), new Quaternion(...r), new Vector3(...s));
+}
+
+/** Points of all meshes of the scene, where their nodes put them. */
+export async function readScenePoints(json: Gltf, buffer: Uint8Array): Promise<Float64Array> {
+  const points: number[] = [];
+  const visit = async (index: number, parent: Matrix4, depth: number): Promise<void> => {
+    const node = json.nodes?.[index];
+    if (!node || depth > 64) return;
+    const world = parent.clone().multiply(localMatrix(node));
+    for (const primitive of json.meshes?.[node.mesh ?? -1]?.primitives ?? []) {
+      const { positions } = await readPrimitive(json, buffer, primitive);
+      const p = new Vector3();
+      for (let i = 0; i < positions.length; i += 3) {
+        p.fromArray(positions, i).applyMatrix4(world);
+        points.push(p.x, p.y, p.z);
+      }
+    }
+    for (const child of node.children ?? []) await visit(child, world, depth + 1);
+  };
+  for (const root of json.scenes?.[json.scene ?? 0]?.nodes ?? []) await visit(root, new Matrix4(), 0);
+  return Float64Array.from(points);
+}

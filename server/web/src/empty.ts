@@ -1,0 +1,2 @@
+// What the Draco wrapper would take from Node.
+export default {};
