@@ -2,6 +2,7 @@
 // they agree, and the front that sews the rest; closing and repair of small holes.
 #pragma once
 
+#include "front/adoption.hpp"
 #include "front/closing.hpp"
 #include "front/consensus.hpp"
 #include "front/fans.hpp"

@@ -46,7 +46,9 @@ class Run {
   Status triangulate() {
     if (Status begun = context_.begin("neighbourhoods", 0.7); !begun) return begun;
     const BoxTree tree(cloud_.positions, context_.threads());
-    Result<LocalStars> stars = local_stars(tree, parameters_.stars, context_);
+    StarParameters star_parameters = parameters_.stars;
+    star_parameters.spacings = parameters_.sewing.max_edge || parameters_.sewing.capsule;
+    Result<LocalStars> stars = local_stars(tree, star_parameters, context_);
     if (!stars) return std::move(stars).error();
 
     if (Status begun = context_.begin("consensus", 0.8); !begun) return begun;

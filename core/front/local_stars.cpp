@@ -1,7 +1,9 @@
 #include "front/local_stars.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
 
 #include "base/parallel.hpp"
 #include "front/star_kernel.hpp"
@@ -27,6 +29,7 @@ class StarMaker {
   void make(std::size_t v) {
     constexpr std::size_t kMany = 48;
     near_.nearest(v, parameters_.neighbours, neighbours_);
+    if (parameters_.spacings) stars_.spacings[v] = spacing_of(neighbours_);
     Tangent tangent = tangent_of(neighbours_);
     if (tangent.certain) {
       star_of(v, neighbours_, tangent, parameters_.kind, scratch_, star_);
@@ -41,6 +44,21 @@ class StarMaker {
       star_of(v, neighbours_, tangent, parameters_.kind, scratch_, star_);
     }
     store(v, tangent);
+  }
+
+  /// Distance of the 6th nearest, or of the farthest if there are fewer.
+  static float spacing_of(const Neighbours& neighbours) {
+    constexpr std::size_t kRank = 6;
+    std::array<double, kRank> nearest;
+    std::size_t kept = 0;
+    for (std::size_t j = 0; j < neighbours.count; ++j) {
+      const double d = neighbours.distance2[j];
+      if (kept == kRank && d >= nearest.back()) continue;
+      std::size_t at = kept < kRank ? kept++ : kRank - 1;
+      for (; at > 0 && nearest[at - 1] > d; --at) nearest[at] = nearest[at - 1];
+      nearest[at] = d;
+    }
+    return kept > 0 ? static_cast<float>(std::sqrt(nearest[kept - 1])) : 0;
   }
 
   void store(std::size_t v, const Tangent& tangent) {
@@ -74,6 +92,7 @@ void LocalStars::turn_over(std::size_t v) {
 Result<LocalStars> local_stars(const BoxTree& tree, const StarParameters& parameters, Context& context) {
   LocalStars stars(tree.points());
   StarMaker::blocks(stars).resize(tree.blocks());
+  if (parameters.spacings) stars.spacings.resize(tree.points());
   std::atomic<std::size_t> done{0};
   parallel_tasks(context.threads(), tree.blocks(), [&](std::size_t block) {
     if (context.cancelled()) return;

@@ -20,6 +20,8 @@ struct StarParameters {
   StarKind kind = StarKind::restricted;
   /// Nearest neighbours a star is taken from at first, at least 8.
   std::size_t neighbours = 16;
+  /// Whether spacings are kept too.
+  bool spacings = false;
 };
 
 /// Normals and local Delaunay stars of V points.
@@ -47,9 +49,12 @@ class LocalStars {
 
   /// Unit normals by weighted principal components; local coordinates are only scaled, so they hold in the input's.
   std::vector<Normal3> normals;
+  /// Distance of the 6th nearest neighbour (local): about the length of a triangle's edge. Empty unless asked for.
+  std::vector<float> spacings;
 
  private:
   friend class StarMaker;
+  friend class StarGiver;
   struct Header {
     std::uint16_t start = 0;  // in the block's list
     std::uint8_t count = 0;
@@ -62,7 +67,7 @@ class LocalStars {
 
 /// Normals and stars of all points. Parallel over blocks, the same for any number of threads.
 /// @return  cancelled. The tree needs at least 3 points.
-/// @cost    O(V); 44 bytes per point kept.
+/// @cost    O(V); 44 bytes per point kept, 4 more with spacings.
 Result<LocalStars> local_stars(const BoxTree& tree, const StarParameters& parameters, Context& context);
 
 }  // namespace surfaced::front

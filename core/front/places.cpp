@@ -16,15 +16,8 @@ Point3 Places::normal(std::uint32_t v) const {
 
 std::size_t Places::list_of(std::uint32_t v) {
   if (list_of_[v] != kNoVertex) return list_of_[v];
-  constexpr std::size_t kSpacingRank = 6;
   search_.nearest_anywhere(v, parameters_.reach, found_);
-  std::vector<double> distances(found_.distance2.begin(),
-                                found_.distance2.begin() + static_cast<std::ptrdiff_t>(found_.count));
-  const auto ranked = distances.begin() + static_cast<std::ptrdiff_t>(std::min(kSpacingRank, distances.size()) - 1);
-  std::ranges::nth_element(distances, ranked);
   list_of_[v] = static_cast<std::uint32_t>(lists_.size());
-  spacings_.push_back(static_cast<float>(std::sqrt(*ranked)));
-  lists_.push_back(static_cast<std::uint32_t>(spacings_.size() - 1));
   lists_.push_back(static_cast<std::uint32_t>(found_.count));
   lists_.insert(lists_.end(), found_.index.begin(), found_.index.begin() + static_cast<std::ptrdiff_t>(found_.count));
   return list_of_[v];
@@ -32,22 +25,20 @@ std::size_t Places::list_of(std::uint32_t v) {
 
 std::span<const std::uint32_t> Places::neighbours(std::uint32_t v) {
   const std::size_t at = list_of(v);
-  return {lists_.data() + at + 2, lists_[at + 1]};
+  return {lists_.data() + at + 1, lists_[at]};
 }
 
-double Places::spacing(std::uint32_t v) { return static_cast<double>(spacings_[lists_[list_of(v)]]); }
-
-bool Places::short_enough(std::uint32_t a, std::uint32_t b) {
+bool Places::short_enough(std::uint32_t a, std::uint32_t b) const {
   if (!parameters_.max_edge) return true;
   const double length = norm(position(a) - position(b));
   return within_longest(length, a) || within_longest(length, b);
 }
 
-bool Places::within_longest(double length, std::uint32_t v) {
+bool Places::within_longest(double length, std::uint32_t v) const {
   return !parameters_.max_edge || length <= *parameters_.max_edge * spacing(v);
 }
 
-bool Places::in_capsule(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+bool Places::in_capsule(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
   if (!parameters_.capsule) return true;
   const std::optional<double>& epsilon = parameters_.capsule->epsilon;
   const double radius = 2 * (epsilon ? *epsilon * tree_.scale() : std::max(spacing(a), spacing(b)));
@@ -60,7 +51,7 @@ bool Places::in_capsule(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   return norm(off) <= radius;
 }
 
-bool Places::allows(const Face& f) {
+bool Places::allows(const Face& f) const {
   if (!short_enough(f[0], f[1]) || !short_enough(f[1], f[2]) || !short_enough(f[2], f[0])) return false;
   return in_capsule(f[0], f[1], f[2]) || in_capsule(f[1], f[2], f[0]) || in_capsule(f[2], f[0], f[1]);
 }

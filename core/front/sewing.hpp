@@ -43,6 +43,7 @@ struct Pass {
 /// Positions, normals and neighbourhoods of the points that the front comes to.
 class Places {
  public:
+  /// With a longest edge or a capsule the stars need their spacings.
   Places(const BoxTree& tree, const LocalStars& stars, const SewingParameters& parameters);
 
   Point3 position(std::uint32_t v) const { return tree_.local(v); }
@@ -51,16 +52,16 @@ class Places {
   std::span<const std::uint32_t> star(std::uint32_t v) const { return stars_.star(v); }
   /// Nearest neighbours, ascending by index. The span lives until the next call.
   std::span<const std::uint32_t> neighbours(std::uint32_t v);
-  /// Distance of the 6th nearest neighbour: about the length of a triangle's edge.
-  double spacing(std::uint32_t v);
+  /// Distance of the 6th nearest neighbour. Requires stars with spacings.
+  double spacing(std::uint32_t v) const { return static_cast<double>(stars_.spacings[v]); }
   /// Whether the edge is within the longest allowed.
-  bool short_enough(std::uint32_t a, std::uint32_t b);
+  bool short_enough(std::uint32_t a, std::uint32_t b) const;
   /// Whether the length is within the longest edge allowed at v.
-  bool within_longest(double length, std::uint32_t v);
+  bool within_longest(double length, std::uint32_t v) const;
   /// Whether c lies in the capsule of the edge ab, where there is one.
-  bool in_capsule(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+  bool in_capsule(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
   /// Whether all edges are short enough, and a corner lies in the capsule of the opposite edge.
-  bool allows(const Face& face);
+  bool allows(const Face& face) const;
   std::size_t points() const { return tree_.points(); }
   Angle angle() const { return parameters_.angle; }
 
@@ -74,7 +75,6 @@ class Places {
   Neighbours found_;
   std::vector<std::uint32_t> list_of_;  // per vertex where its list begins, or kNoVertex
   std::vector<std::uint32_t> lists_;    // count, then the neighbours
-  std::vector<float> spacings_;         // beside lists_, at the position of the count
 };
 
 /// Area normal of the face: twice its area long.

@@ -29,6 +29,8 @@ std::vector<WeightedEdge> belkin_weights(const Patch& patch);
 /// 1 for every edge.
 std::vector<WeightedEdge> uniform_weights(const Patch& patch);
 
+using Weights = std::vector<WeightedEdge> (*)(const Patch&);
+
 /// Solves L f = rhs at all points but the first known.size(), where f is known; three functions at once, one per
 /// coordinate. Direct (Eigen's LDLT) up to 50,000 unknowns, above by conjugate gradients with an incomplete Cholesky
 /// factor to a residual of 1e-10.

@@ -36,14 +36,14 @@ std::vector<Point3> normals_of_both_sides(const Patch& patch, const Hole& hole) 
 }
 
 /// Unit normals at all points, harmonic between the corners; where they vanish, the mean of the corners'.
-std::vector<Point3> harmonic_normals(const Patch& patch, std::vector<Point3> at_corners) {
+std::vector<Point3> harmonic_normals(const Patch& patch, std::vector<Point3> at_corners, Weights harmonic) {
   Point3 sum{};
   for (Point3& n : at_corners) {
     n = direction_of(n).value_or(Point3{});
     sum += n;
   }
   const Point3 mean = direction_of(sum).value_or(Point3{});
-  std::vector<Point3> normals = spread_harmonically(patch, at_corners);
+  std::vector<Point3> normals = spread_harmonically(patch, at_corners, harmonic);
   for (Point3& n : normals) n = direction_of(n).value_or(mean);
   return normals;
 }
@@ -85,10 +85,10 @@ void take(Patch& patch, std::optional<std::vector<Point3>> points) {
   if (points) patch.points = std::move(*points);
 }
 
-void fit_to_normals(Patch& patch, const Hole& hole) {
+void fit_to_normals(Patch& patch, const Hole& hole, Weights harmonic) {
   for (int round = 0; round < kRounds; ++round) {
     std::vector<Point3> known = round == 0 ? hole.normals : normals_of_both_sides(patch, hole);
-    const std::vector<Point3> normals = harmonic_normals(patch, std::move(known));
+    const std::vector<Point3> normals = harmonic_normals(patch, std::move(known), harmonic);
     take(patch, solve_dirichlet(patch.points.size(), cotangent_weights(patch), corners_of(patch, hole),
                                 divergence(patch, normals)));
   }
@@ -97,7 +97,7 @@ void fit_to_normals(Patch& patch, const Hole& hole) {
 /// The paper's words taken literally: every new point turned by π/2 about its normal through the centre of its
 /// neighbours, then Laplace's equation with the printed weights, made symmetric.
 void turn_points(Patch& patch, const Hole& hole) {
-  const std::vector<Point3> normals = harmonic_normals(patch, hole.normals);
+  const std::vector<Point3> normals = harmonic_normals(patch, hole.normals, cotangent_weights);
   std::vector<Point3> centres(patch.points.size(), Point3{});
   std::vector<double> degrees(patch.points.size(), 0);
   for (const WeightedEdge& e : belkin_weights(patch)) {
@@ -116,8 +116,8 @@ void turn_points(Patch& patch, const Hole& hole) {
 
 }  // namespace
 
-std::vector<Point3> spread_harmonically(const Patch& patch, std::span<const Point3> at_corners) {
-  for (const auto& weights : {cotangent_weights(patch), uniform_weights(patch)}) {
+std::vector<Point3> spread_harmonically(const Patch& patch, std::span<const Point3> at_corners, Weights harmonic) {
+  for (const auto& weights : {harmonic(patch), uniform_weights(patch)}) {
     if (auto values = solve_dirichlet(patch.points.size(), weights, at_corners, {})) return std::move(*values);
   }
   // No system is left: the mean of the corners everywhere.
@@ -128,13 +128,13 @@ std::vector<Point3> spread_harmonically(const Patch& patch, std::span<const Poin
   return values;
 }
 
-void refine(Patch& patch, const Hole& hole, Rotation rotation) {
+void refine(Patch& patch, const Hole& hole, Rotation rotation, Weights harmonic) {
   switch (rotation) {
     case Rotation::normal:
-      fit_to_normals(patch, hole);
+      fit_to_normals(patch, hole, harmonic);
       return;
     case Rotation::none:
-      take(patch, solve_dirichlet(patch.points.size(), cotangent_weights(patch), corners_of(patch, hole), {}));
+      take(patch, solve_dirichlet(patch.points.size(), harmonic(patch), corners_of(patch, hole), {}));
       return;
     case Rotation::paper:
       turn_points(patch, hole);

@@ -12,6 +12,7 @@
 #include "base/parallel.hpp"
 #include "cloud/cloud.hpp"
 #include "intrinsic_delaunay/curvature.hpp"
+#include "intrinsic_delaunay/flips.hpp"
 #include "quality/quality.hpp"
 #include "spatial/spatial.hpp"
 
@@ -183,6 +184,19 @@ void measure_triangles(const Welded& mesh, Certificate& c) {
   }
 }
 
+void count_edges_beyond_pi(const Welded& mesh, Certificate& c) {
+  const HalfEdges edges(mesh.triangles, mesh.positions.size());
+  const auto corner = [&](HalfEdgeIndex h) { return mesh.positions[mesh.triangles[h / 3][h % 3]]; };
+  for (std::size_t i = 0; i < 3 * mesh.triangles.size(); ++i) {
+    const HalfEdgeIndex h(i);
+    const HalfEdgeIndex mate = edges.mate(h);
+    if (!mate.valid() || mate < h) continue;
+    const Point3 left = corner(HalfEdges::previous(h));
+    const Point3 right = corner(HalfEdges::previous(mate));
+    if (angles_exceed_pi(corner(h), corner(mate), left, right)) ++c.edges_beyond_pi;
+  }
+}
+
 void judge_premises(const TriangleMesh& mesh, Certificate& c) {
   const auto premise = [](bool holds) { return holds ? Premise::holds : Premise::fails; };
   if (c.largest_curvature > 0) c.largest_epsilon = kLargestKappaEpsilon / c.largest_curvature;
@@ -216,6 +230,7 @@ Result<Certificate> certificate_of(const TriangleMesh& mesh, Context& context) {
   estimate_curvature(*welded, adjacency, context, c);
   if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled while curvatures were estimated"};
   measure_triangles(*welded, c);
+  count_edges_beyond_pi(*welded, c);
   judge_premises(mesh, c);
   if (const auto pair = close_sheets(*welded, adjacency, c.epsilon, context.threads())) {
     c.injectivity_and_convexity = Premise::fails;

@@ -42,6 +42,8 @@ struct Certificate {
   /// ε: the largest circumradius of a triangle with area.
   double epsilon = 0;
   double shortest_edge = 0;
+  /// Edges whose opposite angles add up to more than π: there the mesh is no intrinsic Delaunay triangulation.
+  std::size_t edges_beyond_pi = 0;
 
   /// 1/(8κ); none for a plane.
   std::optional<double> largest_epsilon;

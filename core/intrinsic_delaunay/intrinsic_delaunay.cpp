@@ -36,6 +36,7 @@ Result<IntrinsicDelaunayResult> intrinsic_delaunay(const PointCloud& cloud, cons
     const Result<idt::FlipCounts> counts = idt::flip_edges(fans, places, c);
     if (!counts) return counts.error();
     statistics.flips = counts->flips;
+    statistics.exchanges = counts->exchanges;
     statistics.not_flippable = counts->not_flippable;
     statistics.peeled_faces = idt::peel_rims(fans, places);
     return Done{};

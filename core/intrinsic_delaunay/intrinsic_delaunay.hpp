@@ -29,6 +29,8 @@ struct IntrinsicDelaunayParameters {
 struct IntrinsicDelaunayStatistics {
   front::Statistics front;
   std::size_t flips = 0;
+  /// Flips between two diagonals that are both Delaunay, towards the larger least r/L.
+  std::size_t exchanges = 0;
   /// Edges left with opposite angles of more than π together: flipping them would fold or cross the surface.
   std::size_t not_flippable = 0;
   /// Faces taken away from rims because their circumcircles are larger than the longest edge allowed.
@@ -48,4 +50,22 @@ struct IntrinsicDelaunayResult {
 Result<IntrinsicDelaunayResult> intrinsic_delaunay(const PointCloud& cloud,
                                                    const IntrinsicDelaunayParameters& parameters, Context& context);
 
+namespace idt {
+
+struct FlipCounts {
+  std::size_t flips = 0;
+  /// Flips between two diagonals that both satisfy it.
+  std::size_t exchanges = 0;
+  /// Edges that still have α1 + α2 > π: flipping them would fold or cross the surface.
+  std::size_t not_flippable = 0;
+};
+
+/// Step 6 of table 1 on a finished mesh: flips edges with α1 + α2 > π, and takes the better of two diagonals that both
+/// are Delaunay, as intrinsic_delaunay does at its end. The length of edges is not limited. The triangles are sorted if
+/// any changes. Requires an oriented edge-manifold mesh.
+/// @return  cancelled, out_of_memory.
+/// @cost    O(V + F); about 100 bytes per vertex.
+Result<FlipCounts> flip_edges(TriangleMesh& mesh, Context& context);
+
+}  // namespace idt
 }  // namespace surfaced

@@ -18,6 +18,17 @@ Parameters parameters_of(const Json& json) {
   return parameters;
 }
 
+/// Step 6 once more where holes were filled: a patch knows nothing of the angles beyond its rim.
+Status flip_filled(Reconstruction& made, Context& context) {
+  if (made.hole_filling.at("filled") == 0) return Done{};
+  context.enter("flips", 1);
+  const Result<idt::FlipCounts> counts = idt::flip_edges(made.mesh, context);
+  if (!counts) return counts.error();
+  made.statistics["flips_after_filling"] = counts->flips + counts->exchanges;
+  made.statistics["not_flippable"] = counts->not_flippable;
+  return Done{};
+}
+
 Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Json& parameters, Context& context) {
   Json upsampling = nullptr;
   Result<IntrinsicDelaunayResult> result =
@@ -25,6 +36,7 @@ Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Jso
   if (!result) return std::move(result).error();
   Json statistics = statistics_json(result->statistics.front);
   statistics["flips"] = result->statistics.flips;
+  statistics["exchanges"] = result->statistics.exchanges;
   statistics["not_flippable"] = result->statistics.not_flippable;
   statistics["peeled_faces"] = result->statistics.peeled_faces;
   statistics["upsampling"] = std::move(upsampling);
@@ -33,6 +45,7 @@ Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Jso
   if (parameters.at("fill_holes") == "all") {
     const FillParameters fill{.holes = FillParameters::Holes::all, .rotation = rotation_of(parameters)};
     if (Status filled = run_hole_stage(made, fill, context); !filled) return std::move(filled).error();
+    if (Status flipped = flip_filled(made, context); !flipped) return std::move(flipped).error();
   }
   return made;
 }

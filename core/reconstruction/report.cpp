@@ -96,6 +96,7 @@ Json certificate_json(const Certificate& c) {
       {"curvature",
        {{"max", c.largest_curvature}, {"p99", c.curvature_p99}, {"vertices_without", c.vertices_without_curvature}}},
       {"epsilon", c.epsilon},
+      {"edges_beyond_pi", c.edges_beyond_pi},
       {"premises", premises_json(c)},
       {"premises_met", premise_json(c.premises_met())},
       {"bounds", bounds_json(c.bounds)},

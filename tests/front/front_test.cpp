@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <map>
+#include <numbers>
 #include <random>
 #include <set>
 
+#include "support/holes.hpp"
 #include "support/nasty_clouds.hpp"
 
 namespace surfaced::front {
@@ -198,6 +200,29 @@ TEST(Front, never_adds_a_face_that_makes_an_edge_or_a_vertex_non_manifold) {
     EXPECT_TRUE(topology_of(mesh).vertex_manifold);
     EXPECT_TRUE(topology_of(mesh).oriented);
   }
+}
+
+TEST(AdoptedMesh, has_the_triangles_it_was_made_of) {
+  const auto expect_same = [](TriangleMesh mesh, const std::string& name) {
+    AdoptedMesh adopted(mesh, 2);
+    sort_triangles(mesh);
+    EXPECT_EQ(adopted.fans().triangles(), mesh.triangles) << name;
+    EXPECT_EQ(adopted.fans().faces(), mesh.triangles.size()) << name;
+  };
+  const TriangleMesh sphere = testing::bumpy_sphere(4);
+  expect_same(sphere, "closed");
+  expect_same(testing::cut_disc(sphere, sphere.positions[5], 0.4).rest, "open, with points that are in no triangle");
+  TriangleMesh cone{{{0, 0, 1}}, {}, {}, {}};
+  constexpr std::size_t kAround = 3 * LocalStars::kLongestStar;
+  for (std::size_t i = 0; i < kAround; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kAround;
+    cone.positions.push_back({std::cos(angle), std::sin(angle), 0});
+    cone.triangles.push_back(testing::triangle(0, 1 + i, 1 + (i + 1) % kAround));
+  }
+  expect_same(cone, "a vertex of more triangles than a star holds");
+  TriangleMesh touching{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {}, {}, {}};
+  touching.triangles = {testing::triangle(0, 1, 2), testing::triangle(0, 3, 4)};
+  expect_same(touching, "two fans at a vertex");
 }
 
 }  // namespace

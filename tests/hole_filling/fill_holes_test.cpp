@@ -1,11 +1,13 @@
 // Filling holes: what stays, what is manifold, how near the removed surface the patch comes.
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <random>
+#include <set>
 
 #include "hole_filling/hole_filling.hpp"
 #include "io/io.hpp"
@@ -247,6 +249,37 @@ TEST(FillHoles, stops_when_cancelled) {
   EXPECT_EQ(report.error().code, ErrorCode::cancelled);
 }
 
+/// Mean distance of the removed vertices that are not on the rim to the quadric that fits all removed vertices best.
+double distance_to_best_quadric(const testing::Cut& cut) {
+  std::set<std::size_t> removed;
+  std::set<std::size_t> rest;
+  for (const Triangle& t : cut.removed.triangles) removed.insert(t.begin(), t.end());
+  for (const Triangle& t : cut.rest.triangles) rest.insert(t.begin(), t.end());
+  Eigen::MatrixX3d points(static_cast<Eigen::Index>(removed.size()), 3);
+  for (Eigen::Index row = 0; const std::size_t v : removed) {
+    const Point3& p = cut.rest.positions[v];
+    points.row(row++) << p[0], p[1], p[2];
+  }
+  points.rowwise() -= points.colwise().mean().eval();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(points.transpose() * points);
+  const Eigen::MatrixX3d local = points * axes.eigenvectors();  // height, then the plane
+  Eigen::MatrixXd terms(points.rows(), 6);
+  const auto x = local.col(1).array();
+  const auto y = local.col(2).array();
+  terms << Eigen::VectorXd::Ones(points.rows()), x, y, x * x, x * y, y * y;
+  const Eigen::VectorXd fitted = terms * terms.colPivHouseholderQr().solve(local.col(0));
+  double sum = 0;
+  std::size_t inside = 0;
+  for (Eigen::Index row = 0; const std::size_t v : removed) {
+    const double off = std::abs(fitted[row] - local(row, 0));
+    ++row;
+    if (rest.contains(v)) continue;
+    sum += off;
+    ++inside;
+  }
+  return sum / static_cast<double>(inside);
+}
+
 /// Discs of this radius (as share of the diagonal) cut from a reference mesh at eight vertices spread over it.
 void expect_fills_scan(const std::string& name, double share) {
   const std::filesystem::path file = std::filesystem::path(SURFACED_SHARED_DATA) / "reference" / (name + ".ply");
@@ -275,6 +308,26 @@ TEST(FillHolesOfScans, fills_igea_within_three_thousandths_of_the_diagonal_where
 TEST(FillHolesOfScans,
      fills_max_planck_within_three_thousandths_of_the_diagonal_where_a_disc_a_twentieth_wide_is_gone) {
   expect_fills_scan("max_planck", 0.025);
+}
+
+TEST(FillHolesOfScans, misses_three_thousandths_on_a_disc_twice_as_wide_only_where_the_best_quadric_does_too) {
+  const std::filesystem::path file = std::filesystem::path(SURFACED_SHARED_DATA) / "reference" / "max_planck.ply";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
+  const Result<TriangleMesh> whole = read_mesh(file);
+  ASSERT_TRUE(whole.ok());
+  constexpr double kLimit = 0.003;
+  const double diagonal = diagonal_of(*whole);
+  for (std::size_t k = 1; k <= 8; ++k) {
+    const testing::Cut cut = cut_disc(*whole, whole->positions[k * whole->positions.size() / 9], 0.05 * diagonal);
+    TriangleMesh filled = cut.rest;
+    if (fill(filled).loops != 1) continue;  // the first cuts an ear off
+    EXPECT_TRUE(topology_of(filled).closed);
+    const double distance = testing::mean_distance(filled, cut.rest.triangles.size(), cut.removed) / diagonal;
+    const double best = distance_to_best_quadric(cut) / diagonal;
+    RecordProperty("hole_" + std::to_string(k), std::to_string(distance));
+    RecordProperty("quadric_" + std::to_string(k), std::to_string(best));
+    EXPECT_TRUE(distance <= kLimit || best > kLimit) << "hole " << k << ": " << distance << ", quadric " << best;
+  }
 }
 
 }  // namespace

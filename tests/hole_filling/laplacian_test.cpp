@@ -37,8 +37,6 @@ Patch grid(std::uint32_t n, std::size_t& boundary) {
   return patch;
 }
 
-using Weights = std::vector<WeightedEdge> (*)(const Patch&);
-
 TEST(Laplacian, takes_constants_to_nothing) {
   std::size_t boundary = 0;
   const Patch patch = grid(12, boundary);

@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 Certificate certificate_of(const TriangleMesh& mesh, unsigned threads = 1) {
   Context context(threads);
   auto certificate = certify(mesh, context);
-  EXPECT_TRUE(certificate);
+  EXPECT_TRUE(certificate) << certificate.error().detail;
   return std::move(*certificate);
 }
 

@@ -5,7 +5,9 @@
 
 #include <map>
 
+#include "hole_filling/hole_filling.hpp"
 #include "intrinsic_delaunay/intrinsic_delaunay.hpp"
+#include "support/holes.hpp"
 #include "support/planar_delaunay.hpp"
 
 namespace surfaced {
@@ -84,6 +86,44 @@ TEST(FlipEdges, leaves_no_obtuse_edge_but_those_it_counts) {
       EXPECT_GT(result->statistics.flips, 0U);
     }
   }
+}
+
+TEST(FlipEdges, makes_a_filled_mesh_intrinsic_delaunay_again_and_keeps_what_it_is) {
+  for (const double radius : {0.2, 0.5}) {
+    const TriangleMesh whole = testing::bumpy_sphere(5);
+    TriangleMesh mesh = testing::cut_disc(whole, whole.positions[7], radius).rest;
+    Context context(2);
+    ASSERT_TRUE(fill_holes(mesh, {}, context));
+    const std::size_t triangles = mesh.triangles.size();
+    const std::vector<Point3> positions = mesh.positions;
+    EXPECT_GT(certify(mesh, context)->edges_beyond_pi, 0U) << radius;
+    const auto counts = idt::flip_edges(mesh, context);
+    ASSERT_TRUE(counts);
+    EXPECT_GT(counts->flips, 0U);
+    EXPECT_EQ(obtuse_edges(mesh, 1e-9), counts->not_flippable);
+    EXPECT_EQ(certify(mesh, context)->edges_beyond_pi, counts->not_flippable);
+    EXPECT_EQ(testing::manifold_problem(mesh), "");
+    EXPECT_TRUE(topology_of(mesh).closed);
+    EXPECT_EQ(topology_of(mesh).genus, 0);
+    EXPECT_EQ(mesh.triangles.size(), triangles);
+    EXPECT_EQ(mesh.positions, positions);
+    TriangleMesh again = mesh;
+    ASSERT_TRUE(idt::flip_edges(again, context));
+    EXPECT_EQ(again.triangles, mesh.triangles);
+  }
+}
+
+TEST(FlipEdges, takes_the_better_of_two_diagonals_that_are_both_delaunay) {
+  // Four points out of a plane: over either diagonal the opposite angles add up to less than π.
+  const std::vector<Point3> points{{-1, 0, 0.55}, {1, 0, 0.55}, {0, -0.85, 0}, {0, 0.85, 0}};
+  TriangleMesh mesh{points, {testing::triangle(0, 2, 1), testing::triangle(0, 1, 3)}, {}, {}};
+  Context context;
+  const auto counts = idt::flip_edges(mesh, context);
+  ASSERT_TRUE(counts);
+  EXPECT_EQ(counts->flips, 0U);
+  EXPECT_EQ(counts->exchanges, 1U);
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{testing::triangle(0, 2, 3), testing::triangle(1, 3, 2)}));
+  EXPECT_EQ(certify(mesh, context)->edges_beyond_pi, 0U);
 }
 
 TEST(AnglesExceedPi, is_false_for_four_points_on_a_circle) {

@@ -42,8 +42,9 @@ TEST_P(IntrinsicDelaunayOnScans, closes_where_the_reference_does_and_shapes_tria
   const Distribution ours = inradius_to_longest_edge(result->mesh);
   const Distribution theirs = inradius_to_longest_edge(*peer);
   EXPECT_GE(ours.mean, 0.995 * theirs.mean);
-  // One flip moves the 5th percentile by a rank; in the smallest cloud a rank is up to a thousandth of its value.
-  EXPECT_GE(ours.p05, 0.999 * theirs.p05);
+  EXPECT_GE(ours.p05, theirs.p05);
+  RecordProperty("p05", std::to_string(ours.p05) + " against " + std::to_string(theirs.p05));
+  RecordProperty("mean", std::to_string(ours.mean) + " against " + std::to_string(theirs.mean));
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, IntrinsicDelaunayOnScans,
