@@ -102,11 +102,11 @@ Result<Json> check_parameters(const MethodInfo& method, const Json& given) {
     if (!properties.contains(name)) return unknown_parameter(method, name);
     if (!matches(properties.at(name), value)) {
       constexpr std::size_t kLongestEcho = 200;
-      std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, kLongestEcho);
-      std::string allowed = allowed_by(properties.at(name));
+      const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, kLongestEcho);
+      const std::string allowed = allowed_by(properties.at(name));
       return with_fault(
           {ErrorCode::invalid_parameter, "parameter '" + name + "' is " + text + "; allowed is " + allowed},
-          {name, std::move(text), std::move(allowed)});
+          {name, text, allowed});
     }
   }
   Json complete = Json::object();

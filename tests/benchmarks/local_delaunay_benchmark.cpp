@@ -15,12 +15,21 @@
 namespace surfaced::benchmarks {
 namespace {
 
-void run_local_delaunay(benchmark::State& state, const std::string& name, unsigned threads) {
+void run_with(benchmark::State& state, const std::string& name, unsigned threads,
+              const LocalDelaunayParameters& parameters) {
   measure(state, name, [&](RawCloud raw) {
     const PointCloud cloud = *make_cloud(std::move(raw), threads);
     Context context(threads);
-    benchmark::DoNotOptimize(local_delaunay(cloud, {}, context)->mesh.triangles.size());
+    benchmark::DoNotOptimize(local_delaunay(cloud, parameters, context)->mesh.triangles.size());
   });
+}
+
+void run_local_delaunay(benchmark::State& state, const std::string& name, unsigned threads) {
+  run_with(state, name, threads, {});
+}
+
+void run_max_edge(benchmark::State& state, const std::string& name, unsigned threads) {
+  run_with(state, name, threads, {.max_edge = 3});
 }
 
 void run_make_cloud(benchmark::State& state, const std::string& name, unsigned threads) {
@@ -87,6 +96,7 @@ void run_nanoflann(benchmark::State& state, const std::string& name) {
 void add(const std::string& name, bool peers, int runs) {
   add_one("local_delaunay_1_thread", name, runs, run_local_delaunay, name, 1U);
   add_one("local_delaunay_2_threads", name, runs, run_local_delaunay, name, 2U);
+  add_one("max_edge_3_1_thread", name, runs, run_max_edge, name, 1U);
   add_one("make_cloud_1_thread", name, runs, run_make_cloud, name, 1U);
   add_one("cgal_delaunay", name, 1, run_delaunay, name);
   if (!peers) return;
