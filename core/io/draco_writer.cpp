@@ -17,8 +17,6 @@ using draco::GeometryAttribute;
 constexpr int kSpeed = 3;
 /// Bytes before the triangles: header and two counts.
 constexpr std::size_t kMostHeader = 11 + 5 + 5;
-constexpr int kLeastBits = 8;
-constexpr int kMostBits = 30;
 
 /// Adds an attribute with a value per point, in the points' order.
 template <class T, std::size_t N>
@@ -28,6 +26,13 @@ void add_attribute(draco::Mesh& mesh, GeometryAttribute::Type type, draco::DataT
   attribute.Init(type, nullptr, static_cast<std::uint8_t>(N), data_type, normalized, sizeof(values[0]), 0);
   const int id = mesh.AddAttribute(attribute, true, static_cast<std::uint32_t>(values.size()));
   mesh.attribute(id)->buffer()->Write(0, values.data(), values.size() * sizeof(values[0]));
+}
+
+void add_scalar(draco::Mesh& mesh, const std::vector<float>& values) {
+  GeometryAttribute attribute;
+  attribute.Init(GeometryAttribute::GENERIC, nullptr, 1, draco::DT_FLOAT32, false, sizeof(float), 0);
+  const int id = mesh.AddAttribute(attribute, true, static_cast<std::uint32_t>(values.size()));
+  mesh.attribute(id)->buffer()->Write(0, values.data(), values.size() * sizeof(float));
 }
 
 void add_positions(draco::Mesh& target, const TriangleMesh& mesh, bool narrow) {
@@ -53,15 +58,10 @@ draco::Status encode(const draco::Mesh& mesh, std::optional<int> bits, draco::En
 
 }  // namespace
 
-Result<Bytes> write_draco(const TriangleMesh& mesh, const EncodeOptions& options) {
+Result<Bytes> write_draco(const TriangleMesh& mesh, const std::optional<int>& bits,
+                          const std::vector<VertexScalar>& scalars) {
   if (mesh.triangles.empty())
     return Error{ErrorCode::method_failed, "the mesh has no triangles; Draco cannot hold that"};
-  const std::optional<int> bits = options.quantization_bits;
-  if (bits && (*bits < kLeastBits || *bits > kMostBits)) {
-    return Error{ErrorCode::invalid_parameter, "quantization is " + std::to_string(*bits) + " bits; " +
-                                                   std::to_string(kLeastBits) + " to " + std::to_string(kMostBits) +
-                                                   " are possible"};
-  }
   if (mesh.positions.size() > 3 * mesh.triangles.size()) {  // its decoder takes that for a lie
     return Error{ErrorCode::unsupported_feature, std::to_string(mesh.positions.size()) + " vertices in " +
                                                      std::to_string(mesh.triangles.size()) +
@@ -75,6 +75,7 @@ Result<Bytes> write_draco(const TriangleMesh& mesh, const EncodeOptions& options
     add_attribute(target, GeometryAttribute::NORMAL, draco::DT_FLOAT32, false, mesh.normals);
   }
   if (!mesh.colors.empty()) add_attribute(target, GeometryAttribute::COLOR, draco::DT_UINT8, true, mesh.colors);
+  for (const VertexScalar& scalar : scalars) add_scalar(target, scalar.values);
   target.SetNumFaces(mesh.triangles.size());
   for (std::uint32_t f = 0; f < mesh.triangles.size(); ++f) {
     const Triangle& t = mesh.triangles[f];

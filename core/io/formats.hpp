@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/float32.hpp"
 #include "io/bytes.hpp"
 #include "io/io.hpp"
 
@@ -58,8 +59,10 @@ Error too_many(std::string_view name, std::uint64_t points, std::uint64_t limit)
 /// Triangles with a repeated vertex are left out by every reader, which says so.
 void warn_of_degenerate(std::size_t triangles, std::vector<std::string>& warnings);
 
-Result<Bytes> write_ply_mesh(const TriangleMesh& mesh);
-Result<Bytes> write_draco(const TriangleMesh& mesh, const EncodeOptions& options);
+Result<Bytes> write_ply_mesh(const TriangleMesh& mesh, const std::vector<VertexScalar>& scalars);
+/// Draco's id of an attribute is its place among positions, normals (if there are), colours (if there are), scalars.
+Result<Bytes> write_draco(const TriangleMesh& mesh, const std::optional<int>& quantization_bits,
+                          const std::vector<VertexScalar>& scalars = {});
 Result<Bytes> write_gltf(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options);
 
 Result<Bytes> write_obj_mesh(const TriangleMesh& mesh);
@@ -75,8 +78,5 @@ Point3 float_origin_of(const std::vector<Point3>& positions);
 std::array<float, 3> local_position(const Point3& position, const Point3& origin);
 
 Bytes bytes_of_text(const std::string& text);
-
-/// True if float32 holds every coordinate exactly.
-bool fits_float32(const std::vector<Point3>& positions);
 
 }  // namespace surfaced::io

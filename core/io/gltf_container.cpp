@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "io/meshopt.hpp"
 #include "io/scalars.hpp"
 #include "io/text.hpp"
 
@@ -18,6 +19,9 @@ constexpr std::uint32_t kGlbJson = 0x4E4F534A;
 constexpr std::uint32_t kGlbBinary = 0x004E4942;
 constexpr std::size_t kGlbHeader = 12;
 constexpr std::size_t kChunkHeader = 8;
+/// What packed views may take: this, and so many bytes for every byte of the file.
+constexpr std::uint64_t kUnpackedSmall = std::uint64_t{64} << 20;
+constexpr std::uint64_t kUnpackedPerByte = 16;
 
 const Json kAbsent;
 
@@ -61,12 +65,19 @@ bool decode_base64(std::string_view text, Bytes& bytes) {
   return true;
 }
 
+/// A buffer that stands for what packed views unpack to.
+bool is_fallback(const Json& buffer) {
+  const auto extensions = buffer.find("extensions");
+  return extensions != buffer.end() && extensions->is_object() && extensions->contains(kMeshoptExtension);
+}
+
 }  // namespace
 
 GltfDocument::GltfDocument(std::span<const std::byte> bytes, std::string_view name) : name_(name) {
   const bool binary = bytes.size() >= 4 && load_little<std::uint32_t>(bytes.data()) == kGlbMagic;
   parse_json(binary ? split_glb(bytes) : bytes);
   load_buffers();
+  unpack_views(bytes.size());
 }
 
 void GltfDocument::refuse(ErrorCode code, const std::string& what) const {
@@ -143,6 +154,9 @@ void GltfDocument::load_buffers() {
       data = load_uri(uri.get_ref<const std::string&>(), i);
     } else if (i == 0 && has_binary_ && uri.is_null()) {
       data = binary_;
+    } else if (uri.is_null() && is_fallback(buffers[i])) {
+      buffers_.emplace_back();  // only packed views may refer to it
+      continue;
     } else {
       unsupported("buffer " + std::to_string(i) + " has no data in the file");
     }
@@ -206,9 +220,55 @@ std::vector<double> GltfDocument::numbers(const Json& value, std::size_t count, 
   return result;
 }
 
-std::span<const std::byte> GltfDocument::buffer_view(std::uint64_t index) const {
-  const Json& view = entry("bufferViews", index);
-  const std::string which = "bufferViews[" + std::to_string(index) + "]";
+void GltfDocument::unpack_views(std::size_t file_size) {
+  const Json& views = member(json_, "bufferViews");
+  if (!views.is_array()) return;
+  unpacked_.resize(views.size());
+  std::uint64_t room = kUnpackedSmall + kUnpackedPerByte * file_size;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Json& extensions = member(views[i], "extensions");
+    if (!extensions.is_object()) continue;
+    if (const Json& packed = member(extensions, kMeshoptExtension); packed.is_object()) unpack_view(i, packed, room);
+  }
+}
+
+void GltfDocument::unpack_view(std::size_t index, const Json& packed, std::uint64_t& room) {
+  const std::string which = "the packed bufferViews[" + std::to_string(index) + "]";
+  const std::span<const std::byte> bytes = bytes_within(packed, which);
+  constexpr auto kModes =
+      std::to_array<std::pair<std::string_view, MeshoptMode>>({{"ATTRIBUTES", MeshoptMode::attributes},
+                                                               {"TRIANGLES", MeshoptMode::triangles},
+                                                               {"INDICES", MeshoptMode::indices}});
+  constexpr auto kFilters =
+      std::to_array<std::pair<std::string_view, MeshoptFilter>>({{"NONE", MeshoptFilter::none},
+                                                                 {"OCTAHEDRAL", MeshoptFilter::octahedral},
+                                                                 {"QUATERNION", MeshoptFilter::quaternion},
+                                                                 {"EXPONENTIAL", MeshoptFilter::exponential}});
+  const auto named = [&](const auto& table, std::string_view key, const std::string& otherwise) {
+    const Json& value = member(packed, key);
+    const std::string name = value.is_string() ? value.get<std::string>() : value.is_null() ? otherwise : "?";
+    const auto* found = std::ranges::find(table, std::string_view(name), [](const auto& row) { return row.first; });
+    if (found == table.end()) malformed(which + "." + std::string(key) + " is " + in_quotes(name));
+    return found->second;
+  };
+  const std::uint64_t count = whole(member(packed, "count"), which + ".count");
+  const std::uint64_t stride = whole(member(packed, "byteStride"), which + ".byteStride");
+  if (stride > 256 || count > room / std::max<std::uint64_t>(stride, 1)) {
+    unsupported(which + " holds " + std::to_string(count) + " elements of " + std::to_string(stride) + " bytes; " +
+                std::to_string(room) + " bytes are left for a file of this size");
+  }
+  const MeshoptView view{.mode = named(kModes, "mode", "?"),
+                         .filter = named(kFilters, "filter", "NONE"),
+                         .count = static_cast<std::size_t>(count),
+                         .stride = static_cast<std::size_t>(stride)};
+  if (!is_sound(view)) malformed(which + " has a mode, filter, count and stride that do not go together");
+  Bytes& target = unpacked_[index];
+  target.resize(view.count * view.stride);
+  if (!unpack(view, bytes, target)) malformed(which + " is damaged");
+  room -= target.size();
+}
+
+std::span<const std::byte> GltfDocument::bytes_within(const Json& view, const std::string& which) const {
   const std::uint64_t buffer = whole(member(view, "buffer"), which + ".buffer");
   const std::uint64_t offset = whole(view, "byteOffset", 0);
   const std::uint64_t length = whole(member(view, "byteLength"), which + ".byteLength");
@@ -221,6 +281,13 @@ std::span<const std::byte> GltfDocument::buffer_view(std::uint64_t index) const 
               std::to_string(length) + " of a buffer of " + std::to_string(data.size()));
   }
   return data.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+}
+
+std::span<const std::byte> GltfDocument::buffer_view(std::uint64_t index) const {
+  const Json& view = entry("bufferViews", index);
+  const Bytes& unpacked = unpacked_[static_cast<std::size_t>(index)];
+  if (!unpacked.empty()) return unpacked;
+  return bytes_within(view, "bufferViews[" + std::to_string(index) + "]");
 }
 
 Elements GltfDocument::accessor(std::uint64_t index) const {

@@ -63,6 +63,9 @@ class GltfDocument {
   std::span<const std::byte> split_glb(std::span<const std::byte> bytes);
   void parse_json(std::span<const std::byte> text);
   void load_buffers();
+  void unpack_views(std::size_t file_size);
+  void unpack_view(std::size_t index, const nlohmann::json& packed, std::uint64_t& room);
+  std::span<const std::byte> bytes_within(const nlohmann::json& view, const std::string& which) const;
   std::span<const std::byte> load_uri(const std::string& uri, std::size_t buffer);
 
   std::string_view name_;
@@ -71,6 +74,8 @@ class GltfDocument {
   bool has_binary_ = false;
   std::vector<Bytes> decoded_;
   std::vector<std::span<const std::byte>> buffers_;
+  /// What EXT_meshopt_compression packed, by the number of its view; views that are not packed are empty here.
+  std::vector<Bytes> unpacked_;
 };
 
 }  // namespace surfaced::io

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "io/gltf_container.hpp"
+#include "io/meshopt.hpp"
 #include "io/scalars.hpp"
 #include "io/text.hpp"
 
@@ -173,8 +174,8 @@ class SceneReader {
     if (!required.is_array()) return;
     for (const Json& extension : required) {
       const std::string name = extension.is_string() ? extension.get<std::string>() : "?";
-      const bool harmless =
-          name == kDracoExtension || name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_");
+      const bool harmless = name == kDracoExtension || name == kMeshoptExtension ||
+                            name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_");
       if (!harmless) document_.unsupported("it requires the extension " + in_quotes(name));
     }
   }

@@ -5,10 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "io/formats.hpp"
+#include "io/gltf_packing.hpp"
 #include "io/scalars.hpp"
 #include "io/tinygltf.hpp"
 
@@ -65,6 +64,17 @@ class ModelBuilder {
 
   const tinygltf::Model& model() const { return model_; }
   std::uint64_t buffer_size() const { return buffer_size_; }
+  const std::vector<GltfArray>& arrays() const { return arrays_; }
+
+  /// The mesh as the buffer holds it: around its origin, in float32, with unit normals.
+  TriangleMesh stored_mesh() const {
+    TriangleMesh stored{.positions = {}, .triangles = mesh_.triangles, .normals = normals_, .colors = mesh_.colors};
+    stored.positions.reserve(positions_.size());
+    for (const Vector3f& p : positions_) {
+      stored.positions.push_back({static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+    }
+    return stored;
+  }
 
   void append_buffer(Bytes& bytes) const {
     const std::size_t begin = bytes.size();
@@ -72,6 +82,9 @@ class ModelBuilder {
     for (const Vector3f& n : normals_) append_vector(bytes, n);
     for (const Color4& color : mesh_.colors) {
       for (const std::uint8_t c : color) append_little(bytes, c);
+    }
+    for (const VertexScalar& scalar : options_.scalars) {
+      for (const float x : scalar.values) append_little(bytes, x);
     }
     for (const Triangle& t : mesh_.triangles) {
       for (const VertexIndex v : t) {
@@ -105,6 +118,7 @@ class ModelBuilder {
     accessor.type = type;
     accessor.count = count;
     model_.accessors.push_back(accessor);
+    arrays_.push_back({static_cast<std::size_t>(buffer_size_), count, size});
     buffer_size_ += (count * size + 3) / 4 * 4;
     return accessor.bufferView;
   }
@@ -126,6 +140,10 @@ class ModelBuilder {
       primitive.attributes["COLOR_0"] =
           add_accessor(TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_TYPE_VEC4, count, sizeof(Color4), kVertices);
       model_.accessors.back().normalized = true;
+    }
+    for (const VertexScalar& scalar : options_.scalars) {
+      primitive.attributes[scalar.name] =
+          add_accessor(TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, count, sizeof(float), kVertices);
     }
     primitive.indices =
         add_accessor(short_indices() ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
@@ -181,6 +199,7 @@ class ModelBuilder {
   std::vector<Vector3f> positions_;
   std::vector<Vector3f> normals_;
   tinygltf::Model model_;
+  std::vector<GltfArray> arrays_;
   std::uint64_t buffer_size_ = 0;
 };
 
@@ -213,10 +232,31 @@ void append_base64(std::string& text, std::span<const std::byte> bytes) {
   }
 }
 
-Result<Bytes> embedded(const ModelBuilder& builder, Json json) {
+/// What is written behind the JSON: the arrays of the builder, or what they were packed to.
+class Payload {
+ public:
+  explicit Payload(const ModelBuilder& builder) : builder_(builder) {}
+
+  void replace(Bytes packed) { packed_ = std::move(packed); }
+  std::uint64_t size() const { return !packed_.empty() ? packed_.size() : builder_.buffer_size(); }
+  void append_to(Bytes& bytes) const {
+    if (packed_.empty()) {
+      builder_.append_buffer(bytes);
+    } else {
+      bytes.insert(bytes.end(), packed_.begin(), packed_.end());
+    }
+  }
+
+ private:
+  const ModelBuilder& builder_;
+  /// Empty if nothing was packed: what is packed never is.
+  Bytes packed_;
+};
+
+Result<Bytes> embedded(const Payload& payload, Json json) {
   Bytes buffer;
-  buffer.reserve(static_cast<std::size_t>(builder.buffer_size()));
-  builder.append_buffer(buffer);
+  buffer.reserve(static_cast<std::size_t>(payload.size()));
+  payload.append_to(buffer);
   std::string uri = "data:application/octet-stream;base64,";
   uri.reserve(uri.size() + (buffer.size() + 2) / 3 * 4);
   append_base64(uri, buffer);
@@ -224,10 +264,10 @@ Result<Bytes> embedded(const ModelBuilder& builder, Json json) {
   return bytes_of_text(json.dump());
 }
 
-Result<Bytes> binary(const ModelBuilder& builder, const Json& json) {
+Result<Bytes> binary(const Payload& payload, const Json& json) {
   std::string text = json.dump();
   while (text.size() % 4 != 0) text += ' ';
-  const std::uint64_t length = 12 + 8 + text.size() + 8 + builder.buffer_size();
+  const std::uint64_t length = 12 + 8 + text.size() + 8 + payload.size();
   if (length > kGlbLimit) {
     return Error{ErrorCode::output_not_writable, "the mesh takes " + std::to_string(length) +
                                                      " bytes as GLB, which holds at most " + std::to_string(kGlbLimit) +
@@ -241,10 +281,27 @@ Result<Bytes> binary(const ModelBuilder& builder, const Json& json) {
   }
   const auto* begin = reinterpret_cast<const std::byte*>(text.data());
   bytes.insert(bytes.end(), begin, begin + text.size());
-  append_little(bytes, static_cast<std::uint32_t>(builder.buffer_size()));
+  append_little(bytes, static_cast<std::uint32_t>(payload.size()));
   append_little(bytes, kGlbBinary);
-  builder.append_buffer(bytes);
+  payload.append_to(bytes);
   return bytes;
+}
+
+/// Packs the builder's buffer as the options ask for.
+Status pack(const ModelBuilder& builder, const EncodeOptions& options, Json& json, Payload& payload) {
+  if (options.compression == MeshCompression::none) return Done{};
+  GltfParts parts{.json = std::move(json), .buffer = {}, .arrays = builder.arrays()};
+  builder.append_buffer(parts.buffer);
+  const TriangleMesh stored = builder.stored_mesh();
+  Status packed = Done{};
+  if (options.compression == MeshCompression::draco) {
+    packed = pack_with_draco(parts, stored, options);
+  } else {
+    pack_with_meshopt(parts, stored.triangles, options.quantization_bits);
+  }
+  json = std::move(parts.json);
+  payload.replace(std::move(parts.buffer));
+  return packed;
 }
 
 }  // namespace
@@ -255,7 +312,9 @@ Result<Bytes> write_gltf(const TriangleMesh& mesh, MeshFormat format, const Enco
   const ModelBuilder builder(mesh, options);
   Result<Json> json = model_json(builder, options);
   if (!json) return std::move(json).error();
-  return format == MeshFormat::glb ? binary(builder, *json) : embedded(builder, std::move(*json));
+  Payload payload(builder);
+  if (Status packed = pack(builder, options, *json, payload); !packed) return std::move(packed).error();
+  return format == MeshFormat::glb ? binary(payload, *json) : embedded(payload, std::move(*json));
 }
 
 }  // namespace surfaced::io

@@ -163,6 +163,22 @@ Status check_mesh(const TriangleMesh& mesh) {
   return Done{};
 }
 
+Status check_options(const TriangleMesh& mesh, const EncodeOptions& options) {
+  constexpr int kLeastBits = 8;
+  constexpr int kMostBits = 30;
+  if (const auto bits = options.quantization_bits; bits && (*bits < kLeastBits || *bits > kMostBits)) {
+    return Error{ErrorCode::invalid_parameter, "quantization is " + std::to_string(*bits) + " bits; " +
+                                                   std::to_string(kLeastBits) + " to " + std::to_string(kMostBits) +
+                                                   " are possible"};
+  }
+  for (const VertexScalar& scalar : options.scalars) {
+    if (scalar.values.size() == mesh.positions.size()) continue;
+    return Error{ErrorCode::internal_error, scalar.name + " has " + std::to_string(scalar.values.size()) +
+                                                " values for " + std::to_string(mesh.positions.size()) + " vertices"};
+  }
+  return Done{};
+}
+
 }  // namespace
 
 namespace io {
@@ -219,8 +235,9 @@ std::string_view name_of(MeshFormat format) {
 Result<std::vector<std::byte>> encode_mesh(const TriangleMesh& mesh, MeshFormat format, const EncodeOptions& options) {
   return guarded<std::vector<std::byte>>("the mesh", [&]() -> Result<std::vector<std::byte>> {
     if (Status status = check_mesh(mesh); !status) return std::move(status).error();
-    if (format == MeshFormat::ply) return io::write_ply_mesh(mesh);
-    if (format == MeshFormat::drc) return io::write_draco(mesh, options);
+    if (Status status = check_options(mesh, options); !status) return std::move(status).error();
+    if (format == MeshFormat::ply) return io::write_ply_mesh(mesh, options.scalars);
+    if (format == MeshFormat::drc) return io::write_draco(mesh, options.quantization_bits);
     if (format == MeshFormat::obj) return io::write_obj_mesh(mesh);
     if (format == MeshFormat::stl) return io::write_stl_mesh(mesh);
     if (format == MeshFormat::threemf) return io::write_3mf_mesh(mesh, options);

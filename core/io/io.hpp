@@ -47,16 +47,31 @@ enum class UpAxis : std::uint8_t { y, z };
 /// What a coordinate of 1 means; only 3MF says it.
 enum class Unit : std::uint8_t { millimetre, centimetre, metre, inch };
 
+/// How a glTF is packed.
+enum class MeshCompression : std::uint8_t { none, draco, meshopt };
+
+/// A number for every vertex, under a name that begins with '_', as glTF wants it.
+struct VertexScalar {
+  std::string name;
+  std::vector<float> values;
+};
+
 struct EncodeOptions {
-  /// Draco: bits per coordinate, 8..30; none keeps float32 exactly.
+  /// Draco and packed glTF: bits per coordinate, 8..30; none keeps float32 exactly. Meshopt keeps at most 24 of them,
+  /// beside a common exponent a vertex.
   std::optional<int> quantization_bits;
   UpAxis up = UpAxis::y;
   Unit unit = Unit::millimetre;
+  /// glTF: as KHR_draco_mesh_compression or EXT_meshopt_compression, which a reader then has to know.
+  MeshCompression compression = MeshCompression::none;
+  /// glTF: attributes; PLY: properties, in lower case without the '_'.
+  std::vector<VertexScalar> scalars{};
   /// JSON object for `asset.extras` of a glTF; empty for none.
   std::string extras_json;
 };
 
-/// Encodes a mesh. Vertex order and triangle order are kept in every format but STL, which has no vertices of its own.
+/// Encodes a mesh. Vertex order and triangle order are kept in every format but STL, which has no vertices of its own;
+/// meshopt may turn a triangle to begin at another corner.
 /// OBJ keeps doubles, and no opacity. STL and 3MF: float32 around an origin as in glTF, which the header or a comment
 /// names; neither normals of vertices nor colours. glTF: POSITION as float32, NORMAL, COLOR_0 where known; coordinates
 /// that float32 holds are kept bit for bit, otherwise an origin is subtracted that stands in the node's translation

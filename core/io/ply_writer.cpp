@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <string>
 
 #include "io/formats.hpp"
@@ -10,8 +9,12 @@ namespace {
 class PlyWriter {
  public:
   PlyWriter(const std::vector<Point3>& positions, const std::vector<Normal3>& normals,
-            const std::vector<Color4>& colors)
-      : positions_(positions), normals_(normals), colors_(colors), narrow_(fits_float32(positions)) {}
+            const std::vector<Color4>& colors, const std::vector<VertexScalar>& scalars)
+      : positions_(positions),
+        normals_(normals),
+        colors_(colors),
+        scalars_(scalars),
+        narrow_(fits_float32(positions)) {}
 
   Bytes write(const std::vector<Triangle>* triangles) const {
     const std::string text = header(triangles);
@@ -38,6 +41,7 @@ class PlyWriter {
     if (!colors_.empty()) {
       text += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
     }
+    for (const VertexScalar& scalar : scalars_) text += "property float " + property_of(scalar.name) + "\n";
     if (triangles != nullptr) {
       // int is what every reader expects of an index; uint only where it is needed.
       const bool wide = positions_.size() > 0x7FFFFFFFU;
@@ -47,8 +51,14 @@ class PlyWriter {
     return text + "end_header\n";
   }
 
+  static std::string property_of(const std::string& attribute) {
+    std::string name = attribute.substr(attribute.starts_with('_') ? 1 : 0);
+    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return name;
+  }
+
   std::size_t row_size() const {
-    return (narrow_ ? 12U : 24U) + (normals_.empty() ? 0U : 12U) + (colors_.empty() ? 0U : 4U);
+    return (narrow_ ? 12U : 24U) + (normals_.empty() ? 0U : 12U) + (colors_.empty() ? 0U : 4U) + 4 * scalars_.size();
   }
 
   void append_vertex(Bytes& bytes, std::size_t i) const {
@@ -65,24 +75,20 @@ class PlyWriter {
     if (!colors_.empty()) {
       for (const std::uint8_t c : colors_[i]) append_little(bytes, c);
     }
+    for (const VertexScalar& scalar : scalars_) append_little(bytes, scalar.values[i]);
   }
 
   const std::vector<Point3>& positions_;
   const std::vector<Normal3>& normals_;
   const std::vector<Color4>& colors_;
+  const std::vector<VertexScalar>& scalars_;
   bool narrow_;
 };
 
 }  // namespace
 
-bool fits_float32(const std::vector<Point3>& positions) {
-  return std::ranges::all_of(positions, [](const Point3& p) {
-    return std::ranges::all_of(p, [](double x) { return static_cast<double>(static_cast<float>(x)) == x; });
-  });
-}
-
-Result<Bytes> write_ply_mesh(const TriangleMesh& mesh) {
-  return PlyWriter(mesh.positions, mesh.normals, mesh.colors).write(&mesh.triangles);
+Result<Bytes> write_ply_mesh(const TriangleMesh& mesh, const std::vector<VertexScalar>& scalars) {
+  return PlyWriter(mesh.positions, mesh.normals, mesh.colors, scalars).write(&mesh.triangles);
 }
 
 }  // namespace surfaced::io
@@ -91,7 +97,7 @@ namespace surfaced {
 
 std::vector<std::byte> encode_cloud_ply(const std::vector<Point3>& positions, const std::vector<Normal3>& normals,
                                         const std::vector<Color4>& colors) {
-  return io::PlyWriter(positions, normals, colors).write(nullptr);
+  return io::PlyWriter(positions, normals, colors, {}).write(nullptr);
 }
 
 }  // namespace surfaced

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "quality/quality.hpp"
 
@@ -78,6 +79,24 @@ MeshQuality measure_quality(const TriangleMesh& mesh, const Topology& topology) 
     quality.inradius_to_longest_edge = distribution_of(std::move(radius_ratios), kMaxInradiusToLongestEdge);
   }
   if (topology.closed && topology.oriented) quality.volume = signed_volume(mesh);
+  return quality;
+}
+
+VertexQuality vertex_quality(const TriangleMesh& mesh) {
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  VertexQuality quality{std::vector<float>(mesh.positions.size(), kNone),
+                        std::vector<float>(mesh.positions.size(), kNone)};
+  for (const Triangle& t : mesh.triangles) {
+    const TriangleShape shape = shape_of(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
+    for (const VertexIndex v : t) {
+      float& edges = quality.shortest_edge_to_circumradius[v];
+      float& radii = quality.inradius_to_longest_edge[v];
+      edges = std::min(edges, static_cast<float>(shape.shortest_edge_to_circumradius));
+      radii = std::min(radii, static_cast<float>(shape.inradius_to_longest_edge));
+    }
+  }
+  std::ranges::replace(quality.shortest_edge_to_circumradius, kNone, 0.0F);
+  std::ranges::replace(quality.inradius_to_longest_edge, kNone, 0.0F);
   return quality;
 }
 

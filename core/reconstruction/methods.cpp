@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "reconstruction/finishing_stage.hpp"
 #include "reconstruction/preparing_stage.hpp"
 
 namespace surfaced {
@@ -19,10 +20,10 @@ Json common_properties() {
       {"quantization",
        {{"oneOf", {Json{{"const", "none"}}, Json{{"type", "integer"}, {"minimum", 8}, {"maximum", 30}}}},
         {"default", "none"},
-        {"title", "Bits per coordinate in a Draco file"},
+        {"title", "Bits per coordinate in a Draco file or a packed GLB"},
         {"description",
          "none keeps float32 exactly; fewer bits make a smaller file and move the vertices, "
-         "by what the report's encoding.max_error says."},
+         "by what the report's encoding.max_error says. A GLB takes it with compression only."},
         {"x-unit", "bits"}}},
       {"unit",
        {{"enum", {"mm", "cm", "m", "in"}},
@@ -53,6 +54,8 @@ Json schema_of(Json properties) {
   for (const auto& [name, schema] : common.items()) properties[name] = schema;
   const Json preparing = preparing_properties();
   for (const auto& [name, schema] : preparing.items()) properties[name] = schema;
+  const Json finishing = finishing_properties();
+  for (const auto& [name, schema] : finishing.items()) properties[name] = schema;
   return Json{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
               {"type", "object"},
               {"additionalProperties", false},
@@ -99,18 +102,6 @@ Json methods_json() {
 
 const Method& method_of(const MethodInfo& info) {
   return *std::ranges::find(table(), info.id, [](const Method& m) { return m.info.id; });
-}
-
-EncodeOptions encode_options_of(const Json& parameters) {
-  EncodeOptions options;
-  if (parameters.at("up") == "z") options.up = UpAxis::z;
-  constexpr auto kUnits = std::to_array<std::pair<std::string_view, Unit>>(
-      {{"mm", Unit::millimetre}, {"cm", Unit::centimetre}, {"m", Unit::metre}, {"in", Unit::inch}});
-  for (const auto& [name, unit] : kUnits) {
-    if (parameters.at("unit") == name) options.unit = unit;
-  }
-  if (parameters.at("quantization").is_number()) options.quantization_bits = parameters.at("quantization").get<int>();
-  return options;
 }
 
 }  // namespace surfaced

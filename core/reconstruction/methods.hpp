@@ -27,7 +27,4 @@ Method advancing_front_method();
 /// A method's schema: its own properties and those that every method has.
 Json schema_of(Json properties);
 
-/// Options every method takes; each method's schema includes them.
-EncodeOptions encode_options_of(const Json& parameters);
-
 }  // namespace surfaced

@@ -4,6 +4,8 @@
 #include <iterator>
 #include <limits>
 
+#include "reconstruction/encoding.hpp"
+#include "reconstruction/finishing_stage.hpp"
 #include "reconstruction/methods.hpp"
 #include "reconstruction/position_set.hpp"
 #include "reconstruction/preparing_stage.hpp"
@@ -16,55 +18,8 @@ namespace {
 // Shares of the progress bar.
 constexpr double kReadUntil = 0.1;
 constexpr double kPreparedUntil = 0.3;
-constexpr double kMethodUntil = 0.9;
-
-/// Drops the vertices that no triangle uses, keeping the order of the others.
-void compact(TriangleMesh& mesh) {
-  std::vector<bool> used(mesh.positions.size(), false);
-  for (const Triangle& t : mesh.triangles) {
-    for (const VertexIndex v : t) used[v] = true;
-  }
-  std::vector<VertexIndex> renumbered(mesh.positions.size());
-  std::size_t kept = 0;
-  for (std::size_t v = 0; v < used.size(); ++v) {
-    if (!used[v]) continue;
-    mesh.positions[kept] = mesh.positions[v];
-    if (!mesh.normals.empty()) mesh.normals[kept] = mesh.normals[v];
-    if (!mesh.colors.empty()) mesh.colors[kept] = mesh.colors[v];
-    renumbered[v] = VertexIndex(kept++);
-  }
-  mesh.positions.resize(kept);
-  if (!mesh.normals.empty()) mesh.normals.resize(kept);
-  if (!mesh.colors.empty()) mesh.colors.resize(kept);
-  for (Triangle& t : mesh.triangles) {
-    for (VertexIndex& v : t) v = renumbered[v];
-  }
-}
-
-Point3 without_minus_zero(const Point3& p) { return {p[0] + 0.0, p[1] + 0.0, p[2] + 0.0}; }
-
-/// What the encoding did to the vertices, which keep their order.
-struct EncodingEffect {
-  double max_error = 0;
-  std::size_t merged_vertices = 0;
-};
-
-EncodingEffect effect_of_encoding(const TriangleMesh& computed, const TriangleMesh& decoded) {
-  EncodingEffect effect;
-  PositionSet distinct(decoded.positions.size());
-  for (std::size_t v = 0; v < decoded.positions.size(); ++v) {
-    effect.max_error = std::max(effect.max_error, norm(decoded.positions[v] - computed.positions[v]));
-    if (!distinct.insert(without_minus_zero(decoded.positions[v]))) ++effect.merged_vertices;
-  }
-  return effect;
-}
-
-/// An STL has no vertices, only corners: those of the computed mesh are compared with what the file holds of each.
-EncodingEffect effect_of_stl(const TriangleMesh& computed) {
-  TriangleMesh stored;
-  stored.positions = positions_in_stl(computed);
-  return effect_of_encoding(computed, stored);
-}
+constexpr double kMethodUntil = 0.7;
+constexpr double kFinishedUntil = 0.9;
 
 /// Distinct points of the cloud that no triangle of the mesh uses. A point is a vertex if it equals one
 /// after both are rounded to float32, the precision of mesh files.
@@ -105,6 +60,11 @@ Result<PointCloud> load(const std::filesystem::path& path, const ReadLimits& lim
   return make_cloud(std::move(*raw), context.threads());
 }
 
+/// Whether points that are no vertices can be told to be inside.
+bool vertices_are_points(const FileRequest& request) {
+  return method_of(*request.method).interpolates && !asks_for_simplifying(request.parameters);
+}
+
 /// What a reader of the encoded mesh gets, measured.
 struct Measured {
   Json mesh;
@@ -120,32 +80,19 @@ Json quality_of(const Reconstruction& result, const PointCloud& cloud, bool inte
                       std::nullopt);
 }
 
-Result<Measured> measure_encoded(const Reconstruction& result, const PointCloud& cloud, bool interpolates,
+Result<Measured> measure_encoded(const FileRequest& request, const Reconstruction& result, const PointCloud& cloud,
                                  const TriangleMesh& decoded, MeshFormat format) {
-  const bool stl = format == MeshFormat::stl;
-  if (!stl && decoded.positions.size() != result.mesh.positions.size()) {
-    return Error{ErrorCode::internal_error, "the encoded mesh decodes to " + std::to_string(decoded.positions.size()) +
-                                                " vertices instead of " + std::to_string(result.mesh.positions.size())};
-  }
+  const Result<EncodingEffect> effect = effect_of_encoding(result.mesh, decoded, format);
+  if (!effect) return effect.error();
   const Topology topology = topology_of(decoded);
-  const EncodingEffect effect = stl ? effect_of_stl(result.mesh) : effect_of_encoding(result.mesh, decoded);
-  return Measured{
-      .mesh = topology_json(topology),
-      .quality = quality_of(result, cloud, interpolates, decoded, topology),
-      .encoding = Json{
-          {"format", name_of(format)}, {"max_error", effect.max_error}, {"merged_vertices", effect.merged_vertices}}};
-}
-
-/// What a printer asks: how large, in which unit, how much material.
-Json printing_json(const TriangleMesh& mesh, const Json& quality, const Json& parameters) {
-  return Json{{"unit", parameters.at("unit")},
-              {"bounding_box", bounds_of(mesh.positions).high - bounds_of(mesh.positions).low},
-              {"volume", quality.at("volume")}};
+  return Measured{.mesh = topology_json(topology),
+                  .quality = quality_of(result, cloud, vertices_are_points(request), decoded, topology),
+                  .encoding = encoding_json(*effect, format, request.parameters)};
 }
 
 /// The part of the report that is the same for every run on the same points.
 Json reproducible_report(const FileRequest& request, const PointCloud& cloud, const Json& preparing,
-                         const Reconstruction& result, const Measured& measured) {
+                         const Reconstruction& result, const Measured& measured, std::optional<MeshFormat> format) {
   std::vector<std::string> warnings = cloud.warnings;
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
   if (const Json& open = measured.mesh.at("boundary_edges"); open > 0) {
@@ -157,11 +104,13 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
   }
   if (measured.certificate)
     std::ranges::copy(certificate_warnings(*measured.certificate), std::back_inserter(warnings));
+  Json printing = printing_json(result.mesh, measured.quality.at("volume"), request.parameters, format, warnings);
   Json report{{"method", request.method->id}, {"parameters", request.parameters},
               {"cloud", cloud_json(cloud)},   {"mesh", measured.mesh},
               {"warnings", warnings},         {"quality", measured.quality}};
   report["preparing"] = preparing;
-  report["printing"] = printing_json(result.mesh, measured.quality, request.parameters);
+  report["finishing"] = result.finishing;
+  report["printing"] = std::move(printing);
   if (measured.certificate) report["certificate"] = certificate_json(*measured.certificate);
   report["method_statistics"] = result.statistics;
   report["hole_filling"] = result.hole_filling;
@@ -183,18 +132,17 @@ Status add_certificate(const FileRequest& request, const TriangleMesh& mesh, Mea
 Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const Json& preparing,
                      const Reconstruction& result, MeshFormat format, Context& context) {
   context.enter("quality", 0.7);
-  EncodeOptions options = encode_options_of(request.parameters);
+  EncodeOptions options = encode_options_of(request.parameters, result.mesh);
   Result<std::vector<std::byte>> bytes = encode_mesh(result.mesh, format, options);
   if (!bytes) return std::move(bytes).error();
   Result<TriangleMesh> decoded = decode_mesh(*bytes, "the encoded mesh");
   if (!decoded) return std::move(decoded).error();
-  const bool interpolates = method_of(*request.method).interpolates;
-  Result<Measured> measured = measure_encoded(result, cloud, interpolates, *decoded, format);
+  Result<Measured> measured = measure_encoded(request, result, cloud, *decoded, format);
   if (!measured) return std::move(measured).error();
   if (Status certified = add_certificate(request, *decoded, *measured, context); !certified) {
     return std::move(certified).error();
   }
-  Json report = reproducible_report(request, cloud, preparing, result, *measured);
+  Json report = reproducible_report(request, cloud, preparing, result, *measured, format);
 
   context.enter("write", 1);
   if (format == MeshFormat::glb || format == MeshFormat::gltf) {
@@ -212,14 +160,13 @@ Result<Json> measure_unwritten(const FileRequest& request, const PointCloud& clo
                                const Reconstruction& result, Context& context) {
   context.enter("quality", 1);
   const Topology topology = topology_of(result.mesh);
-  const bool interpolates = method_of(*request.method).interpolates;
   Measured measured{.mesh = topology_json(topology),
-                    .quality = quality_of(result, cloud, interpolates, result.mesh, topology),
+                    .quality = quality_of(result, cloud, vertices_are_points(request), result.mesh, topology),
                     .encoding = nullptr};
   if (Status certified = add_certificate(request, result.mesh, measured, context); !certified) {
     return std::move(certified).error();
   }
-  return reproducible_report(request, cloud, preparing, result, measured);
+  return reproducible_report(request, cloud, preparing, result, measured, std::nullopt);
 }
 
 double seconds_of(const std::vector<Stage>& stages) {
@@ -249,18 +196,14 @@ Result<Reconstruction> engine_of(const PointCloud& cloud, const MethodInfo& meth
   return result;
 }
 
-void finish(Reconstruction& result, const Json& parameters) {
-  if (const double fraction = parameters.at("drop_parts"); fraction > 0) drop_small_parts(result, fraction);
-  compact(result.mesh);
-  sort_triangles(result.mesh);
-}
-
 }  // namespace
 
 Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters,
                            Context& context) {
   Result<Reconstruction> result = engine_of(cloud, method, parameters, context);
-  if (result) finish(*result, parameters);
+  if (result) {
+    if (Status finished = finish(*result, parameters, context); !finished) return std::move(finished).error();
+  }
   return result;
 }
 
@@ -283,7 +226,7 @@ Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
     if (!ready) return std::move(ready).error();
     prepared = std::move(*ready);
   }
-  context.section(kMethodUntil);
+  context.section(asks_for_simplifying(request.parameters) ? kMethodUntil : kFinishedUntil);
   Result<Reconstruction> result =
       engine_of(prepared ? prepared->cloud : *cloud, *request.method, request.parameters, context);
   if (!result) return std::move(result).error();
@@ -291,7 +234,8 @@ Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
   if (!request.points.empty()) {
     points = encode_cloud_ply(result->mesh.positions, result->mesh.normals, result->mesh.colors);
   }
-  finish(*result, request.parameters);
+  context.section(kFinishedUntil);
+  if (Status finished = finish(*result, request.parameters, context); !finished) return std::move(finished).error();
   if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled before the mesh was written"};
   context.section(1);
   const Json preparing = prepared ? prepared->stages : Json::array();

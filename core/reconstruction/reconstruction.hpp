@@ -67,6 +67,8 @@ struct Reconstruction {
   std::vector<std::string> warnings;
   /// The method's own statistics, for the report's field `method_statistics`; may be null.
   Json statistics;
+  /// What drop_parts and simplify did, for the report's field `finishing`: name, counts in and out.
+  Json finishing = Json::array();
   /// What the stage `fill_holes` did, for the report's field `hole_filling`; null if it did not run.
   Json hole_filling = nullptr;
 };
@@ -75,6 +77,16 @@ struct Reconstruction {
 /// cloud's normals and colours, and is the same for any number of threads and any order of the points.
 /// @return  method_failed for an empty mesh; cancelled; too_few_points, collinear, coplanar.
 Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters, Context& context);
+
+/// How the parameters of a job want its mesh written; what they leave out is as by default. `vertex_quality` is
+/// measured here.
+EncodeOptions encode_options_of(const Json& parameters, const TriangleMesh& mesh);
+
+/// The extras of a glTF made of a mesh that was read from a file: the report of the job, if there is one, with what
+/// this encoding did to the vertices, and without what differs from run to run.
+/// @return  the bytes of the file; errors as of encode_mesh.
+Result<std::vector<std::byte>> encode_again(const TriangleMesh& mesh, MeshFormat format, const Json& parameters,
+                                            Json report);
 
 /// One file in, one file out.
 struct FileRequest {

@@ -72,6 +72,17 @@ void save_mesh_seeds() {
   save("mesh/painted.gltf", encode_mesh(mesh, MeshFormat::gltf).value());
   save("mesh/painted.ply", encode_mesh(mesh, MeshFormat::ply).value());
   save("mesh/painted.drc", encode_mesh(mesh, MeshFormat::drc).value());
+  for (const auto& [name, compression] :
+       {std::pair{"draco", MeshCompression::draco}, {"meshopt", MeshCompression::meshopt}}) {
+    EncodeOptions packed;
+    packed.compression = compression;
+    packed.quantization_bits = compression == MeshCompression::meshopt ? std::optional(12) : std::nullopt;
+    save(std::string("mesh/") + name + ".glb", encode_mesh(mesh, MeshFormat::glb, packed).value());
+    save(std::string("gltf/") + name + ".gltf", encode_mesh(mesh, MeshFormat::gltf, packed).value());
+  }
+  save("mesh/painted.obj", encode_mesh(mesh, MeshFormat::obj).value());
+  save("mesh/far.stl", encode_mesh(far, MeshFormat::stl).value());
+  save("mesh/far.3mf", encode_mesh(far, MeshFormat::threemf).value());
   save_text("mesh/nodes.gltf", kTwoNodes);
 }
 

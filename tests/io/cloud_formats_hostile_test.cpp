@@ -3,8 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/io.hpp"
-#include "support/limited_child.hpp"
-#include "support/results.hpp"
+#include "support/hostile_files.hpp"
 #include "support/scan_files.hpp"
 #include "support/shapes.hpp"
 
@@ -13,14 +12,6 @@ namespace {
 
 using namespace surfaced::testing;
 using ::testing::AnyOf;
-using ::testing::HasSubstr;
-
-struct Refused {
-  std::string what;
-  std::string text;
-  std::string code;
-  std::string detail;
-};
 
 std::string changed(std::string text, const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
@@ -104,13 +95,8 @@ std::vector<Refused> refused_binaries() {
 }
 
 TEST(CloudFormatsHostile, every_kind_of_bad_file_is_refused_with_its_code_and_the_reason) {
-  for (const auto& files : {refused_texts(), refused_binaries()}) {
-    for (const Refused& file : files) {
-      const auto cloud = parse_text(file.text);
-      EXPECT_EQ(code_of(cloud), file.code) << file.what << ": " << detail_of(cloud);
-      EXPECT_THAT(detail_of(cloud), HasSubstr(file.detail)) << file.what;
-    }
-  }
+  expect_refused(refused_texts());
+  expect_refused(refused_binaries());
 }
 
 TEST(CloudFormatsHostile,
@@ -206,14 +192,7 @@ TEST(CloudFormatsHostile, a_million_bytes_of_anything_take_less_than_two_seconds
       las_file(std::vector<LasPoint>(30000)),
       bomb.text,
   };
-  for (const std::string& text : files) {
-    const ChildRun run = run_in_child(
-        [&] { return (parse_text(text).ok() ? 1 : 0) + (decode_mesh(testing::as_bytes(text), "mesh").ok() ? 1 : 0); });
-    const std::string start = text.substr(0, 60);
-    EXPECT_NE(run.result, -1) << start;
-    EXPECT_LT(run.seconds, 2) << start;
-    EXPECT_LT(run.peak_bytes, std::uint64_t{200} << 20) << start;
-  }
+  expect_cheap(files);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -138,6 +139,84 @@ TEST(CountSelfIntersections, a_triangle_folded_onto_its_neighbour_counts) {
   mesh.positions[3] = {0.5, -0.5, 0};
   EXPECT_EQ(count_self_intersections(mesh), 0U);
 }
+
+/// Two triangles that make a square of the given side at height z.
+TriangleMesh square(double side, double z) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, z}, {side, 0, z}, {side, side, z}, {0, side, z}};
+  mesh.triangles = {testing::triangle(0, 1, 2), testing::triangle(0, 2, 3)};
+  return mesh;
+}
+
+TEST(SurfaceDistance, is_known_between_squares) {
+  const SurfaceDistance parallel = surface_distance(square(2, 0.25), SurfaceSearch(square(2, 0)));
+  EXPECT_DOUBLE_EQ(parallel.lower, 0.25);
+  EXPECT_DOUBLE_EQ(parallel.upper, 0.25);
+  const SurfaceDistance beyond = surface_distance(square(3, 0), SurfaceSearch(square(1, 0)));
+  EXPECT_DOUBLE_EQ(beyond.lower, 2 * std::sqrt(2.0));
+  EXPECT_LE(beyond.upper, 1.02 * beyond.lower);
+  EXPECT_LT(surface_distance(square(1, 0), SurfaceSearch(square(3, 0))).upper, 1e-12) << "one-sided";
+}
+
+TEST(SurfaceDistance, finds_the_middle_of_a_triangle_that_spans_a_valley) {
+  // All corners lie on the surface; the middle of the long edge hangs one above it.
+  TriangleMesh valley;
+  valley.positions = {{-2, -5, 1}, {-2, 5, 1}, {0, -5, 0}, {0, 5, 0}, {2, -5, 1}, {2, 5, 1}};
+  valley.triangles = {testing::triangle(0, 2, 3), testing::triangle(0, 3, 1), testing::triangle(2, 4, 5),
+                      testing::triangle(2, 5, 3)};
+  TriangleMesh lid;
+  lid.positions = {{-2, 0, 1}, {2, 0, 1}, {2, 1, 1}};
+  lid.triangles = {testing::triangle(0, 1, 2)};
+  const SurfaceDistance distance = surface_distance(lid, SurfaceSearch(valley));
+  const double exact = 2 / std::sqrt(5.0);  // of (0, 0, 1) from both slopes
+  EXPECT_LE(distance.lower, exact + 1e-12);
+  EXPECT_GE(distance.upper, exact - 1e-12);
+  EXPECT_LE(distance.upper, 1.021 * exact);
+}
+
+TEST(SurfaceDistance, of_a_mesh_to_itself_is_nothing) {
+  const TriangleMesh torus = testing::torus_mesh(30, 20);
+  EXPECT_LT(surface_distance(torus, SurfaceSearch(torus)).upper, 1e-11);
+}
+
+TEST(SurfaceSearch, finds_what_trying_all_triangles_finds_from_any_hint) {
+  const TriangleMesh torus = testing::torus_mesh(12, 9);
+  const SurfaceSearch search(torus);
+  for (const Point3& query : testing::random_points(50, 7)) {
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t place = 0; place < torus.triangles.size(); ++place) {
+      best = std::min(best, search.distance_to(place, query));
+    }
+    for (const std::size_t hint : {std::size_t{0}, torus.triangles.size() - 1}) {
+      const SurfaceSearch::Closest closest = search.closest(query, hint);
+      EXPECT_NEAR(closest.distance, best, 1e-12);
+      EXPECT_NEAR(norm(closest.point - query), best, 1e-12);
+      EXPECT_NEAR(search.distance_to(closest.place, query), best, 1e-12);
+    }
+  }
+}
+
+TEST(VertexQuality, is_the_least_of_the_triangles_at_a_vertex) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(3.0) / 2, 0}, {0.5, -0.01, 0}, {9, 9, 9}};
+  mesh.triangles = {testing::triangle(0, 1, 2), testing::triangle(0, 3, 1)};
+  const VertexQuality quality = vertex_quality(mesh);
+  EXPECT_NEAR(quality.inradius_to_longest_edge[2], kMaxInradiusToLongestEdge, 1e-6);
+  EXPECT_LT(quality.inradius_to_longest_edge[0], 0.02);
+  EXPECT_EQ(quality.inradius_to_longest_edge[0], quality.inradius_to_longest_edge[3]);
+  EXPECT_NEAR(quality.shortest_edge_to_circumradius[2], kMaxShortestEdgeToCircumradius, 1e-6);
+  EXPECT_EQ(quality.shortest_edge_to_circumradius[4], 0) << "no triangle there";
+}
+
+TEST(WallThickness, of_a_torus_is_the_tube_s_diameter) {
+  const std::vector<double> walls = wall_thicknesses(testing::torus_mesh(120, 60), 500);
+  ASSERT_EQ(walls.size(), 500U);
+  EXPECT_TRUE(std::ranges::is_sorted(walls));
+  EXPECT_NEAR(walls.front(), 0.6, 0.02);
+  EXPECT_NEAR(walls.back(), 0.6, 0.02);
+}
+
+TEST(WallThickness, of_an_open_sheet_is_not_known) { EXPECT_TRUE(wall_thicknesses(square(1, 0), 100).empty()); }
 
 }  // namespace
 }  // namespace surfaced

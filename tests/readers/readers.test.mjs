@@ -4,7 +4,7 @@ import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import path from 'node:path';
 import { before, describe, test } from 'node:test';
 import { Vector3 } from 'three';
-import { asSet, open3mfWithPython, openObjWithThree, openPlyWithThree, openStlWithThree, openWithDraco, openWithThree, plyOf, reconstruct, sphere, validate } from './support.mjs';
+import { asSet, open3mfWithPython, openObjWithThree, openPlyWithThree, openPackedWithDraco, openStlWithThree, openWithDraco, openWithThree, plyOf, reconstruct, sphere, takeApart, validate } from './support.mjs';
 
 const float32 = (points) => Float32Array.from(points.flat());
 
@@ -131,6 +131,56 @@ describe('quantised Draco', () => {
       }
       assert.ok(Math.abs(worst - report.encoding.max_error) <= 1e-9, `${worst} and ${report.encoding.max_error}`);
       assert.ok(worst <= Math.sqrt(3) * 1.001 / (2 ** bits - 1), `${worst}`);
+    });
+  }
+});
+
+/** Triangles as texts that begin with their least vertex, in their order. */
+function turned(indices) {
+  return Array.from({ length: indices.length / 3 }, (_, t) => {
+    const corners = [...indices.slice(3 * t, 3 * t + 3)];
+    while (corners[0] !== Math.min(...corners)) corners.push(corners.shift());
+    return corners.join(' ');
+  });
+}
+
+describe('packed GLBs', () => {
+  const cloud = plyOf(sphere(3000), { painted: true });
+  const flags = (compression, more = []) => ['--param', `compression=${compression}`, '--param', 'vertex_quality=true', ...more];
+  const open = { draco: openPackedWithDraco, meshopt: openWithThree };
+  let plain;
+  before(async () => {
+    plain = await openWithThree(reconstruct(cloud, 'glb', ['--param', 'vertex_quality=true']).bytes);
+  });
+
+  test('the attributes of quality lie between 0 and their greatest possible values', () => {
+    assert.equal(plain.edgeRatios.length, 3000);
+    for (const ratio of plain.edgeRatios) assert.ok(ratio > 0 && ratio <= Math.fround(Math.sqrt(3)), `${ratio}`);
+    for (const ratio of plain.radiusRatios) assert.ok(ratio > 0 && ratio <= Math.fround(Math.sqrt(3) / 6), `${ratio}`);
+  });
+
+  for (const compression of ['draco', 'meshopt']) {
+    test(`${compression} passes the validator, and a decoder of other people finds the same mesh in it`, async () => {
+      const { bytes, report } = reconstruct(cloud, 'glb', flags(compression));
+      const { issues } = await validate(bytes);
+      assert.deepEqual(issues.messages.filter(({ severity, code }) => severity <= 1 && code !== 'UNSUPPORTED_EXTENSION'), []);
+      assert.equal(takeApart(bytes).json.extensionsRequired.length, 1);
+      const packed = await open[compression](bytes);
+      for (const name of ['positions', 'normals', 'edgeRatios']) assert.deepEqual(packed[name], plain[name], name);
+      assert.deepEqual([...packed.colors].map((c) => Math.round(compression === 'draco' ? 255 * c : c)), [...plain.colors]);
+      assert.deepEqual(turned(packed.indices), turned(plain.indices));
+      assert.equal(report.encoding.compression, compression);
+      assert.equal(report.encoding.max_error, 0);
+    });
+
+    test(`${compression} with 12 bits is off by what the report says`, async () => {
+      const { bytes, report } = reconstruct(cloud, 'glb', flags(compression, ['--param', 'quantization=12']));
+      const { positions } = await open[compression](bytes);
+      let worst = 0;
+      for (let i = 0; i < positions.length; i += 3) {
+        worst = Math.max(worst, Math.hypot(...[0, 1, 2].map((axis) => positions[i + axis] - plain.positions[i + axis])));
+      }
+      assert.ok(worst > 0 && Math.abs(worst - report.encoding.max_error) <= 1e-9, `${worst} and ${report.encoding.max_error}`);
     });
   }
 });

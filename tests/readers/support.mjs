@@ -5,6 +5,7 @@ import { tmpdir } from 'node:os';
 import path from 'node:path';
 import draco3d from 'draco3d';
 import validator from 'gltf-validator';
+import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { OBJLoader } from 'three/addons/loaders/OBJLoader.js';
 import { PLYLoader } from 'three/addons/loaders/PLYLoader.js';
@@ -67,12 +68,14 @@ const fromGeometry = (geometry) => ({
   positions: geometry.getAttribute('position').array,
   normals: geometry.getAttribute('normal')?.array,
   colors: geometry.getAttribute('color')?.array,
+  edgeRatios: geometry.getAttribute('_l_over_r')?.array,
+  radiusRatios: geometry.getAttribute('_r_over_l')?.array,
   indices: Uint32Array.from(geometry.getIndex().array),
 });
 
 /** three.js' view of a glTF or GLB: the arrays of its mesh, and the node with its place in the world. */
 export async function openWithThree(bytes) {
-  const { scene, asset } = await new GLTFLoader().parseAsync(toArrayBuffer(bytes), '');
+  const { scene, asset } = await new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).parseAsync(toArrayBuffer(bytes), '');
   const meshes = [];
   scene.updateMatrixWorld(true);
   scene.traverse((node) => node.isMesh && meshes.push(node));
@@ -108,18 +111,33 @@ print(json.dumps({'unit': model.get('unit'), 'corners': corners}))
   return { unit, corners: Float32Array.from(corners.flat()) };
 }
 
-/** draco3d's view of a Draco mesh. */
-export async function openWithDraco(bytes) {
+/** The JSON and the binary chunk of a GLB. */
+export function takeApart(bytes) {
+  const length = bytes.readUInt32LE(12);
+  return { json: JSON.parse(bytes.subarray(20, 20 + length).toString('utf8')), binary: bytes.subarray(28 + length) };
+}
+
+/** What draco3d finds in a GLB with KHR_draco_mesh_compression, by the ids that the file gives. */
+export async function openPackedWithDraco(bytes) {
+  const { json, binary } = takeApart(bytes);
+  const { bufferView, attributes } = json.meshes[0].primitives[0].extensions.KHR_draco_mesh_compression;
+  const { byteOffset = 0, byteLength } = json.bufferViews[bufferView];
+  return openWithDraco(binary.subarray(byteOffset, byteOffset + byteLength), attributes);
+}
+
+/** draco3d's view of a Draco mesh; attributes by the types, or by the ids of a glTF. */
+export async function openWithDraco(bytes, ids) {
   const draco = await draco3d.createDecoderModule({});
   const decoder = new draco.Decoder();
   const mesh = new draco.Mesh();
   const status = decoder.DecodeArrayToMesh(new Int8Array(bytes), bytes.length, mesh);
   if (!status.ok()) throw new Error(status.error_msg());
-  const attribute = (type, components) => {
-    const id = decoder.GetAttributeId(mesh, type);
+  const attribute = (type, components, name) => {
+    const id = ids ? ids[name] ?? -1 : decoder.GetAttributeId(mesh, type);
     if (id < 0) return undefined;
     const values = new draco.DracoFloat32Array();
-    decoder.GetAttributeFloatForAllPoints(mesh, decoder.GetAttribute(mesh, id), values);
+    const found = ids ? decoder.GetAttributeByUniqueId(mesh, id) : decoder.GetAttribute(mesh, id);
+    decoder.GetAttributeFloatForAllPoints(mesh, found, values);
     const array = Float32Array.from({ length: components * mesh.num_points() }, (_, i) => values.GetValue(i));
     draco.destroy(values);
     return array;
@@ -131,9 +149,10 @@ export async function openWithDraco(bytes) {
     for (let k = 0; k < 3; ++k) indices[3 * f + k] = face.GetValue(k);
   }
   const result = {
-    positions: attribute(draco.POSITION, 3),
-    normals: attribute(draco.NORMAL, 3),
-    colors: attribute(draco.COLOR, 4),
+    positions: attribute(draco.POSITION, 3, 'POSITION'),
+    normals: attribute(draco.NORMAL, 3, 'NORMAL'),
+    colors: attribute(draco.COLOR, 4, 'COLOR_0'),
+    edgeRatios: ids && attribute(draco.GENERIC, 1, '_L_OVER_R'),
     indices,
   };
   draco.destroy(face);

@@ -60,7 +60,8 @@ TEST(CheckParameters, fills_in_the_defaults_in_the_schema_s_order) {
   ASSERT_TRUE(parameters);
   EXPECT_EQ(parameters->dump(),
             R"({"radius_ratio_bound":5,"beta":0.52,"fill_holes":"none","up":"y","quantization":"none","unit":"mm",)"
-            R"("outliers":"none","sample":"none","sample_cell":"auto","drop_parts":0})");
+            R"("outliers":"none","sample":"none","sample_cell":"auto","drop_parts":0,)"
+            R"("simplify":"none","compression":"none","vertex_quality":false,"color_map":"none","min_wall":"auto"})");
 }
 
 TEST(CheckParameters, names_the_parameter_the_value_and_what_is_allowed) {
@@ -226,7 +227,12 @@ TEST_F(Files, small_parts_are_dropped_where_asked_for) {
   for (const Point3& p : testing::sphere_points(60, {5, 0, 0}, 0.3)) points.push_back(p);
   const auto cloud = write_cloud("two.ply", points);
   EXPECT_EQ(reconstruct(cloud, "two.glb")->at("mesh").at("components"), 2);
-  EXPECT_EQ(reconstruct(cloud, "one.glb", Json{{"drop_parts", 0.5}})->at("mesh").at("components"), 1);
+  const auto one = reconstruct(cloud, "one.glb", Json{{"drop_parts", 0.5}});
+  EXPECT_EQ(one->at("mesh").at("components"), 1);
+  const Json& stage = one->at("finishing").at(0);
+  EXPECT_EQ(stage.at("name"), "drop_parts");
+  EXPECT_GT(stage.at("triangles_in"), stage.at("triangles_out"));
+  EXPECT_EQ(stage.at("triangles_out"), one->at("mesh").at("triangles"));
 }
 
 TEST_F(Files, the_printing_section_says_unit_and_extent) {

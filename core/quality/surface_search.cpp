@@ -1,0 +1,178 @@
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Simple_cartesian.h>
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+
+#include "quality/quality.hpp"
+
+namespace surfaced {
+namespace {
+
+// Distances are measured, nothing is decided by them: doubles do.
+using Kernel = CGAL::Simple_cartesian<double>;
+using Triangles = std::vector<Kernel::Triangle_3>;
+using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+
+Kernel::Point_3 point(const Point3& p) { return {p[0], p[1], p[2]}; }
+Point3 point(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
+
+}  // namespace
+
+/// The triangles that have an area, and which they are in the mesh.
+struct SurfaceSearch::Impl {
+  explicit Impl(const TriangleMesh& mesh) {
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const Triangle& corners = mesh.triangles[t];
+      const Point3& a = mesh.positions[corners[0]];
+      const Point3& b = mesh.positions[corners[1]];
+      const Point3& c = mesh.positions[corners[2]];
+      if (!(shape_of(a, b, c).area > 0)) continue;
+      triangles.emplace_back(point(a), point(b), point(c));
+      number.emplace_back(t);
+    }
+    tree.insert(triangles.cbegin(), triangles.cend());
+    tree.do_not_accelerate_distance_queries();
+    tree.build();
+  }
+
+  Triangles triangles;
+  std::vector<TriangleIndex> number;
+  Tree tree;
+};
+
+SurfaceSearch::SurfaceSearch(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
+SurfaceSearch::~SurfaceSearch() = default;
+
+bool SurfaceSearch::empty() const { return impl_->triangles.empty(); }
+
+SurfaceSearch::Closest SurfaceSearch::closest(const Point3& query, std::size_t hint) const {
+  const auto near = impl_->triangles.cbegin() + static_cast<std::ptrdiff_t>(hint);
+  const Kernel::Point_3 from = point(query);
+  const Kernel::Point_3 first = Kernel().construct_projected_point_3_object()(*near, from);
+  const auto found = impl_->tree.closest_point_and_primitive(from, {first, near});
+  const Point3 at = point(found.first);
+  const auto place = static_cast<std::size_t>(found.second - impl_->triangles.cbegin());
+  return {.point = at, .triangle = impl_->number[place], .place = place, .distance = norm(at - query)};
+}
+
+double SurfaceSearch::distance_to(std::size_t place, const Point3& query) const {
+  return std::sqrt(CGAL::squared_distance(point(query), impl_->triangles[place]));
+}
+
+namespace {
+
+/// A piece of a triangle, and a bound on how far its points are from the surface.
+struct Piece {
+  std::array<Point3, 3> corners;
+  std::array<SurfaceSearch::Closest, 3> closest;
+  double upper = 0;
+
+  bool operator<(const Piece& other) const { return upper < other.upper; }
+};
+
+Point3 middle(const Point3& a, const Point3& b) {
+  return {a[0] + (b[0] - a[0]) / 2, a[1] + (b[1] - a[1]) / 2, a[2] + (b[2] - a[2]) / 2};
+}
+
+/// How far the corners of a piece are from one triangle; distances to a convex set are convex, so no point of the piece
+/// is farther.
+double farthest_corner(const SurfaceSearch& search, const Piece& piece, std::size_t place) {
+  double farthest = 0;
+  for (const Point3& corner : piece.corners) farthest = std::max(farthest, search.distance_to(place, corner));
+  return farthest;
+}
+
+/// Bounds the piece, not more tightly than to `enough`. No point of it is farther from all corners than its longest
+/// edge over √3.
+void bound(const SurfaceSearch& search, Piece& piece, double enough) {
+  const auto& [a, b, c] = piece.corners;
+  double greatest = 0;
+  for (const SurfaceSearch::Closest& each : piece.closest) greatest = std::max(greatest, each.distance);
+  piece.upper = greatest + std::max({norm(b - a), norm(c - b), norm(a - c)}) / std::sqrt(3.0);
+  for (const SurfaceSearch::Closest& each : piece.closest) {
+    if (piece.upper <= enough) return;
+    piece.upper = std::min(piece.upper, farthest_corner(search, piece, each.place));
+  }
+  if (piece.upper <= enough) return;
+  const std::size_t central = search.closest(middle(middle(a, b), c), piece.closest[0].place).place;
+  piece.upper = std::min(piece.upper, farthest_corner(search, piece, central));
+}
+
+/// Cuts a piece at the middles of its edges.
+std::array<Piece, 4> quarters(const SurfaceSearch& search, const Piece& piece, double& lower) {
+  std::array<Point3, 3> middles;
+  std::array<SurfaceSearch::Closest, 3> closest;
+  for (std::size_t k = 0; k < 3; ++k) {
+    middles[k] = middle(piece.corners[k], piece.corners[(k + 1) % 3]);
+    closest[k] = search.closest(middles[k], piece.closest[k].place);
+    lower = std::max(lower, closest[k].distance);
+  }
+  std::array<Piece, 4> parts;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t before = (k + 2) % 3;
+    parts[k] = {{piece.corners[k], middles[k], middles[before]}, {piece.closest[k], closest[k], closest[before]}};
+  }
+  parts[3] = {middles, closest};
+  return parts;
+}
+
+/// Distances of the vertices that triangles use, each search beginning where the last one ended.
+std::vector<SurfaceSearch::Closest> closest_of_vertices(const TriangleMesh& from, const SurfaceSearch& to,
+                                                        double& lower) {
+  std::vector<SurfaceSearch::Closest> closest(from.positions.size());
+  std::vector<bool> known(from.positions.size(), false);
+  std::size_t hint = 0;
+  for (const Triangle& t : from.triangles) {
+    for (const VertexIndex v : t) {
+      if (known[v]) continue;
+      known[v] = true;
+      closest[v] = to.closest(from.positions[v], hint);
+      hint = closest[v].place;
+      lower = std::max(lower, closest[v].distance);
+    }
+  }
+  return closest;
+}
+
+}  // namespace
+
+SurfaceDistance surface_distance(const TriangleMesh& from, const SurfaceSearch& to) {
+  constexpr double kTolerance = 0.02;
+  constexpr std::size_t kMostCuts = 500'000;
+  if (from.triangles.empty() || to.empty()) return {};
+  SurfaceDistance distance;
+  const std::vector<SurfaceSearch::Closest> closest = closest_of_vertices(from, to, distance.lower);
+  std::priority_queue<Piece> pieces;
+  // What rounding leaves of distances that are 0.
+  double size = 0;
+  for (const Point3& p : from.positions) size = std::max({size, std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+  const double least = 1e-12 * size;
+  const auto enough = [&] { return std::max((1 + kTolerance) * distance.lower, least); };
+  const auto keep = [&](Piece piece) {
+    bound(to, piece, enough());
+    if (piece.upper <= enough()) {
+      distance.upper = std::max(distance.upper, piece.upper);
+    } else {
+      pieces.push(piece);
+    }
+  };
+  for (const Triangle& t : from.triangles) {
+    keep({{from.positions[t[0]], from.positions[t[1]], from.positions[t[2]]},
+          {closest[t[0]], closest[t[1]], closest[t[2]]}});
+  }
+  for (std::size_t cuts = 0; !pieces.empty() && cuts < kMostCuts; ++cuts) {
+    const Piece worst = pieces.top();
+    if (worst.upper <= enough()) break;
+    pieces.pop();
+    for (const Piece& part : quarters(to, worst, distance.lower)) keep(part);
+  }
+  if (!pieces.empty()) distance.upper = std::max(distance.upper, pieces.top().upper);
+  return distance;
+}
+
+}  // namespace surfaced
