@@ -57,7 +57,8 @@ TEST(Simplification, keeps_closedness_genus_components_and_orientation) {
     EXPECT_EQ(topology.components, 2U);
     EXPECT_EQ(topology.genus, 2);
     EXPECT_GT(signed_volume(result->mesh), 0);
-    if (goal >= 500) EXPECT_EQ(count_self_intersections(result->mesh), 0U) << "not guaranteed, but usual";
+    if (goal < 500) continue;  // self-intersections are not ruled out
+    EXPECT_EQ(count_self_intersections(result->mesh), 0U);
   }
 }
 
