@@ -153,7 +153,7 @@ std::optional<Error> Gate::check_owner(const Request& request, std::string_view 
   if (!owner) return owner.error();
   if (*owner == request.caller.id) return std::nullopt;
   // In the same words as for a job that there is not.
-  return Error{ErrorCode::job_not_found, "no job has the id '" + request.path_parts.at("id") + "'"};
+  return no_such_job(request.path_parts.at("id"));
 }
 
 std::optional<Error> Gate::check_quota(const Request& request, const Key& key, std::string_view route) {

@@ -31,14 +31,16 @@ Json cloud_json(const Cloud& cloud) {
 
 Response store_cloud(Request& request, JobService& service, CloudService& clouds) {
   if (!request.query.empty()) {
-    return problem_response(
-        {ErrorCode::unknown_parameter, "'" + request.query.front().first + "' is not taken by this path"}, request);
+    const auto& [name, value] = request.query.front();
+    return problem_response(with_fault({ErrorCode::unknown_parameter, "'" + name + "' is not taken by this path"},
+                                       {name, value, "no query"}),
+                            request);
   }
   const std::string type = content_type_of(request);
   if (type == "application/json" || type == "multipart/form-data") {
-    return problem_response(
-        {ErrorCode::unsupported_media_type, "Content-Type is '" + type + "'; this path takes the raw bytes of a cloud"},
-        request);
+    return problem_response(http::wrong_value(ErrorCode::unsupported_media_type, "Content-Type", type,
+                                              "application/octet-stream, the raw bytes of a cloud"),
+                            request);
   }
   const auto upload = receive_raw(request, service);
   if (!upload) return problem_response(upload.error(), request);

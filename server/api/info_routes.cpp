@@ -17,17 +17,21 @@ Response index(const Request& /*request*/) {
   const auto link = [](const char* rel, const char* href, const char* title) {
     return Json{{"rel", rel}, {"href", href}, {"type", "application/json"}, {"title", title}};
   };
+  Json older = link("service-desc", "/openapi-3.0.json", "The contract, OpenAPI 3.0");
+  older["type"] = "application/vnd.oai.openapi+json;version=3.0";
+  Json docs = link("service-doc", "/docs", "The contract for people");
+  docs["type"] = "text/html";
   return json_response(
       200,
       {{"name", "surfaced"},
+       {"title", "surfaced"},
        {"version", version()},
        {"description", "Turns point clouds into meshes."},
        {"links",
-        Json::array({link("service-desc", "/openapi.json", "The contract, OpenAPI 3.1"),
-                     link("methods", "/v1/methods", "The methods and their parameters"),
+        Json::array({link("self", "/", "This page"), link("service-desc", "/openapi.json", "The contract, OpenAPI 3.1"),
+                     std::move(older), link("methods", "/v1/methods", "The methods and their parameters"),
                      link("reconstruct", "/v1/reconstruct", "POST a cloud, get a mesh"),
-                     link("jobs", "/v1/jobs", "POST a cloud, get a job"),
-                     link("service-doc", "/docs", "The contract for people"),
+                     link("jobs", "/v1/jobs", "POST a cloud, get a job"), std::move(docs),
                      link("conformance", "/conformance", "OGC API - Processes"),
                      link("http://www.opengis.net/def/rel/ogc/1.0/conformance", "/conformance", "OGC API - Processes"),
                      link("http://www.opengis.net/def/rel/ogc/1.0/processes", "/processes", "The methods as processes"),
@@ -37,7 +41,9 @@ Response index(const Request& /*request*/) {
 
 Response get_method(const Request& request) {
   const auto method = find_method(request.path_parts.at("id"));
-  if (!method) return problem_response({ErrorCode::method_not_found, method.error().detail}, request);
+  if (!method) {
+    return problem_response({ErrorCode::method_not_found, method.error().detail, method.error().fault}, request);
+  }
   return json_response(200, method_json(**method));
 }
 

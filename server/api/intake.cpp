@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "http/multipart.hpp"
+#include "http/problem.hpp"
 #include "http/request_head.hpp"
 
 namespace surfaced::api {
@@ -19,12 +20,13 @@ constexpr std::size_t kMaxJsonDepth = 64;
 Status check_encoding(const Request& request) {
   const auto encoding = request.headers.find("Content-Encoding");
   if (!encoding || http::same_name(*encoding, "identity")) return Done{};
-  return Error{ErrorCode::unsupported_content_encoding, "Content-Encoding is '" + std::string(*encoding) + "'"};
+  return http::wrong_value(ErrorCode::unsupported_content_encoding, "Content-Encoding", *encoding, "identity");
 }
 
 Status check_present(const Request& request) {
   if (!request.body->present()) {
-    return Error{ErrorCode::length_required, "the request has neither Content-Length nor Transfer-Encoding"};
+    return with_fault({ErrorCode::length_required, "the request has neither Content-Length nor Transfer-Encoding"},
+                      {"Content-Length", std::nullopt, "the bytes of a body"});
   }
   if (request.body->length() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
   return Done{};
@@ -61,9 +63,14 @@ class Form {
       return Done{};
     }
     if (part.name != "cloud") {
-      return Error{ErrorCode::invalid_request, "the form has a file '" + part.name + "'; allowed is one file 'cloud'"};
+      return with_fault(
+          {ErrorCode::invalid_request, "the form has a file '" + part.name + "'; allowed is one file 'cloud'"},
+          {part.name, "a file", "one file 'cloud'"});
     }
-    if (cloud_) return Error{ErrorCode::conflicting_input, "the form has the part 'cloud' twice"};
+    if (cloud_) {
+      return with_fault({ErrorCode::conflicting_input, "the form has the part 'cloud' twice"},
+                        {"cloud", "a second file", "one file"});
+    }
     auto upload = service_.begin_upload();
     if (!upload) return upload.error();
     cloud_ = std::move(*upload);
@@ -96,10 +103,12 @@ class Form {
       }
     }
     if (cloud_ && !cloud_id.empty()) {
-      return Error{ErrorCode::conflicting_input, "the form has both a file 'cloud' and cloud_id '" + cloud_id + "'"};
+      return with_fault(
+          {ErrorCode::conflicting_input, "the form has both a file 'cloud' and cloud_id '" + cloud_id + "'"},
+          {"cloud_id", cloud_id, "either it or the file 'cloud'"});
     }
     if (!cloud_ && cloud_id.empty()) {
-      return Error{ErrorCode::invalid_request, "the form has neither a file 'cloud' nor a field 'cloud_id'"};
+      return http::missing_value(ErrorCode::invalid_request, "cloud", "a file 'cloud', or a field 'cloud_id'");
     }
     if (cloud_ && cloud_->bytes() == 0) return Error{ErrorCode::empty_input, "the file 'cloud' has 0 bytes"};
     auto submission = read_submission(query, door, rules);
@@ -131,15 +140,17 @@ Result<Intake> take_in_form(Request& request, Door door, const SubmissionRules& 
 
 Result<Intake> take_in_json(Request& request, const SubmissionRules& rules) {
   if (!request.query.empty()) {
-    return Error{ErrorCode::invalid_request,
-                 "'" + request.query.front().first + "' stands in the query; beside a body of JSON nothing may"};
+    const auto& [name, value] = request.query.front();
+    return with_fault(
+        {ErrorCode::invalid_request, "'" + name + "' stands in the query; beside a body of JSON nothing may"},
+        {name, value, "the same as a member of the body"});
   }
   const auto body = receive_json(request, kMaxJsonBytes);
   if (!body) return body.error();
   auto submission = read_submission(*body, rules);
   if (!submission) return std::move(submission).error();
   if (submission->cloud_id.empty()) {
-    return Error{ErrorCode::invalid_request, "'cloud_id' is missing; POST the cloud to /v1/clouds to get one"};
+    return http::missing_value(ErrorCode::invalid_request, "cloud_id", "the id that POST /v1/clouds has given");
   }
   return Intake{std::move(*submission), nullptr};
 }
@@ -196,8 +207,8 @@ Result<Intake> take_in(Request& request, Door door, const SubmissionRules& rules
   if (type == "multipart/form-data") return take_in_form(request, door, rules, service);
   if (type == "application/json" || type.ends_with("+json")) {
     if (door == Door::jobs) return take_in_json(request, rules);
-    return Error{ErrorCode::unsupported_media_type,
-                 "Content-Type is '" + type + "'; taken are the raw bytes of a cloud and multipart/form-data"};
+    return http::wrong_value(ErrorCode::unsupported_media_type, "Content-Type", type,
+                             "application/octet-stream for the raw bytes of a cloud, or multipart/form-data");
   }
   auto submission = read_submission(request.query, door, rules);
   if (!submission) return std::move(submission).error();

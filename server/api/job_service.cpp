@@ -13,11 +13,12 @@ namespace {
 
 /// Hash of everything that a submission asks for.
 std::string fingerprint_of(const Submission& submission, const std::string& input_sha256) {
-  const nlohmann::ordered_json all{
+  nlohmann::ordered_json all{
       {"method", submission.method}, {"parameters", submission.parameters}, {"outputs", submission.outputs},
       {"labels", submission.labels}, {"ttl", submission.ttl.count()},       {"webhook", submission.webhook},
       {"input", input_sha256},
   };
+  if (!submission.presentation.empty()) all["presentation"] = submission.presentation;
   Sha256 sha;
   sha.update(as_bytes(all.dump()));
   return sha.finish();
@@ -36,8 +37,9 @@ Result<KeysInFlight::Turn> KeysInFlight::take(const RequestMark& mark) {
   std::string entry = mark.caller.id + "\n" + mark.idempotency_key;
   const std::scoped_lock lock(mutex_);
   if (held_.insert(entry).second) return Turn(*this, std::move(entry));
-  return Error{ErrorCode::request_in_flight,
-               "another request with the Idempotency-Key '" + mark.idempotency_key + "' has no answer yet"};
+  return with_fault({ErrorCode::request_in_flight,
+                     "another request with the Idempotency-Key '" + mark.idempotency_key + "' has no answer yet"},
+                    {"Idempotency-Key", mark.idempotency_key, "the same request, once the first has its answer"});
 }
 
 JobService::JobService(JobStore& jobs, ArtifactStore& artifacts, CloudService& clouds, Renditions& renditions,
@@ -78,7 +80,8 @@ Result<JobService::Submitted> JobService::submit(const Submission& submission, s
                    submission.labels,
                    submission.webhook,
                    mark.idempotency_key,
-                   fingerprint};
+                   fingerprint,
+                   submission.presentation};
   auto stored = jobs_.submit(job);
   if (stored) {
     scheduler_.wake();
@@ -104,9 +107,10 @@ Result<std::optional<Job>> JobService::made_before(const RequestMark& mark, cons
   if (!replay) return replay.error();
   if (!replay->has_value()) return std::optional<Job>();
   if ((*replay)->fingerprint != fingerprint) {
-    return Error{ErrorCode::idempotency_mismatch, "the Idempotency-Key '" + mark.idempotency_key +
-                                                      "' has made the job " + (*replay)->job +
-                                                      " from another cloud or with other parameters"};
+    return with_fault(
+        {ErrorCode::idempotency_mismatch, "the Idempotency-Key '" + mark.idempotency_key + "' has made the job " +
+                                              (*replay)->job + " from another cloud or with other parameters"},
+        {"Idempotency-Key", mark.idempotency_key, "a key that was not used, or the same request again"});
   }
   auto job = jobs_.find((*replay)->job);
   if (!job) return std::move(job).error();

@@ -29,8 +29,10 @@ Result<RequestMark> mark_of(const http::Request& request) {
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
   const bool clean = std::ranges::all_of(text, [](char c) { return c >= ' ' && c < '\x7f'; });
   if (text.empty() || text.size() > kLongestKey || !clean || request.headers.count("Idempotency-Key") > 1) {
-    return Error{ErrorCode::invalid_request, "Idempotency-Key has " + std::to_string(text.size()) +
-                                                 " characters; allowed are, once, 1 to 255 printable ones of ASCII"};
+    return with_fault(
+        {ErrorCode::invalid_request, "Idempotency-Key has " + std::to_string(text.size()) +
+                                         " characters; allowed are, once, 1 to 255 printable ones of ASCII"},
+        {"Idempotency-Key", std::string(text.substr(0, kLongestKey)), "once, 1 to 255 printable characters of ASCII"});
   }
   mark.idempotency_key = text;
   return mark;

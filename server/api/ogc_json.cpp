@@ -25,39 +25,42 @@ Json binary_schema(std::string_view media_type) {
   return {{"type", "string"}, {"contentEncoding", "binary"}, {"contentMediaType", media_type}};
 }
 
-Error refuse(const std::string& what) { return {ErrorCode::invalid_request, what}; }
+Error wrong(std::string_view field, const Json& value, std::string_view allowed) {
+  return http::wrong_value(ErrorCode::invalid_request, field, http::text_of(value), allowed);
+}
 
 /// Reads the input `cloud`: a link to a stored cloud, its id, or its bytes in base64.
 Status read_cloud(const Json& input, Execution& execution) {
+  constexpr std::string_view kTaken = "{\"href\": \"/v1/clouds/ID\"}, the id of a stored cloud, or {\"value\": BASE64}";
   if (input.is_string()) {
     execution.submission["cloud_id"] = input;
     return Done{};
   }
-  if (!input.is_object()) return refuse("inputs.cloud is no object with href or value, and no id of a stored cloud");
+  if (!input.is_object()) return wrong("inputs.cloud", input, kTaken);
   const auto href = input.find("href");
   const auto value = input.find("value");
   if (href != input.end() && value != input.end()) {
-    return Error{ErrorCode::conflicting_input, "inputs.cloud has both href and value"};
+    return with_fault({ErrorCode::conflicting_input, "inputs.cloud has both href and value"},
+                      {"inputs.cloud", "href and value", "one of them"});
   }
   if (href != input.end() && href->is_string()) {
     const auto text = href->get<std::string>();
     const std::size_t at = text.find(kCloudPath);
-    if (at == text.npos) {
-      return refuse("inputs.cloud.href is '" + text.substr(0, 200) + "'; allowed is a stored cloud, /v1/clouds/{id}");
-    }
+    if (at == text.npos) return wrong("inputs.cloud.href", *href, "a stored cloud, /v1/clouds/ID");
     execution.submission["cloud_id"] = text.substr(at + kCloudPath.size());
     return Done{};
   }
-  if (value == input.end() || !value->is_string()) return refuse("inputs.cloud has neither href nor a value in base64");
+  if (value == input.end() || !value->is_string()) return wrong("inputs.cloud", input, kTaken);
   auto bytes = base64_decode(value->get<std::string>());
-  if (!bytes || bytes->empty()) return refuse("inputs.cloud.value is no base64 of a cloud");
+  if (!bytes || bytes->empty()) return wrong("inputs.cloud.value", *value, "a cloud in base64");
   execution.cloud = std::move(*bytes);
   return Done{};
 }
 
 Status read_inputs(const Json& body, Execution& execution) {
   const auto inputs = body.find("inputs");
-  if (inputs == body.end() || !inputs->is_object()) return refuse("'inputs' is missing or no object");
+  if (inputs == body.end()) return http::missing_value(ErrorCode::invalid_request, "inputs", "an object with a cloud");
+  if (!inputs->is_object()) return wrong("inputs", *inputs, "an object with a cloud");
   Json parameters = Json::object();
   bool has_cloud = false;
   for (const auto& [name, value] : inputs->items()) {
@@ -68,33 +71,57 @@ Status read_inputs(const Json& body, Execution& execution) {
     has_cloud = true;
     if (Status read = read_cloud(value, execution); !read.ok()) return read;
   }
-  if (!has_cloud) return refuse("inputs.cloud is missing");
+  if (!has_cloud) {
+    return http::missing_value(ErrorCode::invalid_request, "inputs.cloud",
+                               "a link to a stored cloud, its id, or its bytes");
+  }
   execution.submission["parameters"] = std::move(parameters);
   return Done{};
 }
 
-Status read_outputs(const Json& body, Execution& execution) {
-  const auto outputs = body.find("outputs");
-  if (outputs == body.end() || outputs->is_null()) return Done{};
-  if (!outputs->is_object()) return refuse("'outputs' is no object");
-  bool mesh = false;
-  for (const auto& [name, wanted] : outputs->items()) {
-    if (name != "mesh" && name != "report") {
-      return Error{ErrorCode::unknown_output, "outputs has '" + name + "'; there are mesh and report"};
-    }
-    if (name != "mesh") continue;
-    mesh = true;
-    const auto format = wanted.is_object() ? wanted.find("format") : wanted.end();
-    if (!wanted.is_object() || format == wanted.end()) continue;
-    if (!format->is_object() || !format->contains("mediaType") || !format->at("mediaType").is_string()) {
-      return refuse("outputs.mesh.format has no mediaType");
-    }
-    const auto chosen = negotiate_mesh(format->at("mediaType").get<std::string>(), {});
-    if (!chosen) return chosen.error();
-    execution.submission["outputs"] = Json::array({*chosen});
+/// Reads `format`, and `transmissionMode` whose default is value.
+Status read_output(const std::string& name, const Json& wanted, Execution& execution) {
+  const std::string field = "outputs." + name;
+  if (!wanted.is_object()) return wrong(field, wanted, "an object");
+  Presentation::Wanted output{name, false};
+  if (const auto mode = wanted.find("transmissionMode"); mode != wanted.end()) {
+    if (*mode != "value" && *mode != "reference")
+      return wrong(field + ".transmissionMode", *mode, "value or reference");
+    output.by_reference = *mode == "reference";
   }
-  execution.report_alone = !mesh && !outputs->empty();
-  if (outputs->size() > 1) execution.raw = false;
+  execution.presentation.outputs.push_back(std::move(output));
+  const auto format = wanted.find("format");
+  if (format == wanted.end()) return Done{};
+  if (!format->is_object() || !format->contains("mediaType") || !format->at("mediaType").is_string()) {
+    return wrong(field + ".format", *format, "an object with a mediaType");
+  }
+  const auto type = format->at("mediaType").get<std::string>();
+  if (name == "report") {
+    if (type == media_type_of("report.json")) return Done{};
+    return http::wrong_value(ErrorCode::not_acceptable, field + ".format.mediaType", type,
+                             media_type_of("report.json"));
+  }
+  const auto chosen = negotiate_mesh(type, {});
+  if (!chosen) return chosen.error();
+  execution.submission["outputs"] = Json::array({*chosen});
+  return Done{};
+}
+
+Status read_outputs(const Json& body, Execution& execution) {
+  auto& wanted = execution.presentation.outputs;
+  const auto outputs = body.find("outputs");
+  // Whoever names none wants all of them, as such.
+  wanted = {{"mesh", false}, {"report", false}};
+  if (outputs == body.end() || outputs->is_null()) return Done{};
+  if (!outputs->is_object()) return wrong("outputs", *outputs, "an object");
+  if (outputs->empty()) return Done{};
+  wanted.clear();
+  for (const auto& [name, each] : outputs->items()) {
+    if (name != "mesh" && name != "report") {
+      return http::wrong_value(ErrorCode::unknown_output, "outputs", name, "mesh, report");
+    }
+    if (Status read = read_output(name, each, execution); !read.ok()) return read;
+  }
   return Done{};
 }
 
@@ -164,25 +191,43 @@ Json status_info(const Job& job) {
   return info;
 }
 
-Json results(const Job& job) {
-  const std::string& mesh = job.wanted.front();
-  return {{"mesh", {{"href", output_path(job.id, mesh)}, {"type", media_type_of(mesh)}}},
-          {"report", {{"href", output_path(job.id, "report.json")}, {"type", "application/json"}}}};
+std::string text_of(const Presentation& presentation) {
+  Json outputs = Json::array();
+  for (const auto& wanted : presentation.outputs) {
+    outputs.push_back({{"output", wanted.output}, {"by_reference", wanted.by_reference}});
+  }
+  return Json{{"raw", presentation.raw}, {"outputs", std::move(outputs)}}.dump();
+}
+
+Presentation presentation_of(const Job& job) {
+  const Json json = Json::parse(job.presentation, nullptr, false);
+  if (!json.is_object()) return {};
+  Presentation presentation{json.value("raw", false), {}};
+  for (const Json& each : json.at("outputs")) {
+    presentation.outputs.push_back({each.at("output").get<std::string>(), each.at("by_reference").get<bool>()});
+  }
+  return presentation;
+}
+
+std::string output_name(const Job& job, std::string_view output) {
+  return output == "report" ? "report.json" : job.wanted.front();
 }
 
 Result<Execution> read_execution(const Json& body, const MethodInfo& method) {
-  if (!body.is_object()) return refuse("the body is no JSON object");
+  if (!body.is_object()) return wrong("body", body, "an object");
   Execution execution;
   execution.submission = {{"method", method.id}};
   if (Status read = read_inputs(body, execution); !read.ok()) return read.error();
   if (Status read = read_outputs(body, execution); !read.ok()) return read.error();
+  execution.presentation.raw = true;
   if (const auto response = body.find("response"); response != body.end() && !response->is_null()) {
-    if (*response != "raw" && *response != "document") return refuse("'response' is neither raw nor document");
-    execution.raw = execution.raw && *response == "raw";
+    if (*response != "raw" && *response != "document") return wrong("response", *response, "raw or document");
+    execution.presentation.raw = *response == "raw";
   }
-  if (const auto subscriber = body.find("subscriber"); subscriber != body.end() && subscriber->is_object()) {
-    if (subscriber->contains("successUri")) execution.submission["webhook"] = subscriber->at("successUri");
-  }
+  const auto subscriber = body.find("subscriber");
+  if (subscriber == body.end() || subscriber->is_null()) return execution;
+  if (!subscriber->is_object()) return wrong("subscriber", *subscriber, "an object with a successUri");
+  if (subscriber->contains("successUri")) execution.submission["webhook"] = subscriber->at("successUri");
   return execution;
 }
 

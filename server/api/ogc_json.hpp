@@ -3,6 +3,9 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/base.hpp"
 #include "http/message.hpp"
@@ -17,8 +20,24 @@ Json conformance();
 Json process_summary(const MethodInfo& method);
 Json process_description(const MethodInfo& method);
 Json status_info(const Job& job);
-/// The results of a successful job, by reference.
-Json results(const Job& job);
+
+/// How an execute request wants to see its results (OGC 18-062r2, table 11).
+struct Presentation {
+  struct Wanted {
+    /// mesh or report.
+    std::string output;
+    /// A link instead of the bytes.
+    bool by_reference = false;
+  };
+  /// The outputs as such, rather than a document that holds them or refers to them.
+  bool raw = false;
+  std::vector<Wanted> outputs{{"mesh", true}, {"report", true}};
+};
+std::string text_of(const Presentation& presentation);
+/// What the job's request wanted; links to mesh and report if it came through another door.
+Presentation presentation_of(const Job& job);
+/// Name of the job's output that the process calls mesh or report.
+std::string output_name(const Job& job, std::string_view output);
 
 /// What an execute request asks for.
 struct Execution {
@@ -26,10 +45,7 @@ struct Execution {
   Json submission;
   /// The cloud itself; empty if cloud_id names one.
   std::string cloud;
-  /// The outputs as such rather than a document that refers to them.
-  bool raw = true;
-  /// Empty for the mesh.
-  bool report_alone = false;
+  Presentation presentation;
 };
 /// @return  invalid_request, conflicting_input, unknown_output, not_acceptable.
 Result<Execution> read_execution(const Json& body, const MethodInfo& method);

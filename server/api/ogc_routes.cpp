@@ -4,6 +4,7 @@
 #include "api/job_json.hpp"
 #include "api/mark.hpp"
 #include "api/ogc_json.hpp"
+#include "api/ogc_results.hpp"
 #include "api/outputs.hpp"
 #include "api/paging.hpp"
 #include "api/routes.hpp"
@@ -26,14 +27,34 @@ constexpr std::size_t kMaxExecution = std::size_t{16} << 20;
 Result<const MethodInfo*> method_of(const Request& request) {
   auto method = find_method(request.path_parts.at("id"));
   if (method) return method;
-  return Error{ErrorCode::method_not_found, method.error().detail};
+  return Error{ErrorCode::method_not_found, method.error().detail, method.error().fault};
 }
 
-Response list_processes(const Request& /*request*/) {
+/// The page of processes that limit and offset choose; offset is ours, and stands in the link to the next page.
+Response list_processes(const Request& request) {
+  constexpr double kMostProcesses = 10'000;
+  const auto number = [&](std::string_view name, double least) -> Result<std::optional<std::size_t>> {
+    const auto text = single(request.query, name);
+    if (!text) return text.error();
+    if (text->empty()) return std::optional<std::size_t>();
+    const auto value = number_within(name, *text, least, kMostProcesses);
+    if (!value) return value.error();
+    return std::optional(static_cast<std::size_t>(*value));
+  };
+  const auto limit = number("limit", 1);
+  if (!limit) return ogc::problem(limit.error(), request);
+  const auto offset = number("offset", 0);
+  if (!offset) return ogc::problem(offset.error(), request);
+  const std::size_t begin = std::min(offset->value_or(0), methods().size());
+  const std::size_t count = std::min(limit->value_or(methods().size()), methods().size() - begin);
   Json processes = Json::array();
-  for (const MethodInfo& method : methods()) processes.push_back(ogc::process_summary(method));
-  return json_response(200, {{"processes", std::move(processes)},
-                             {"links", {{{"rel", "self"}, {"href", "/processes"}, {"type", "application/json"}}}}});
+  for (const MethodInfo& method : methods().subspan(begin, count)) processes.push_back(ogc::process_summary(method));
+  Json links = Json::array({{{"rel", "self"}, {"href", "/processes"}, {"type", "application/json"}}});
+  if (begin + count < methods().size()) {
+    const std::string next = "/processes?limit=" + std::to_string(count) + "&offset=" + std::to_string(begin + count);
+    links.push_back({{"rel", "next"}, {"href", next}, {"type", "application/json"}});
+  }
+  return json_response(200, {{"processes", std::move(processes)}, {"links", std::move(links)}});
 }
 
 Response get_process(const Request& request) {
@@ -47,14 +68,18 @@ struct Preference {
 };
 Preference preference_of(const Request& request) {
   Preference preference;
-  std::string_view list = request.headers.find("Prefer").value_or("");
-  while (!list.empty()) {
-    std::string_view one = list.substr(0, list.find(','));
-    list.remove_prefix(std::min(list.size(), one.size() + 1));
-    while (one.starts_with(' ')) one.remove_prefix(1);
-    if (one == "respond-async") preference.async = true;
-    if (one.starts_with("wait=")) {
-      const auto seconds = number_within("wait", one.substr(5), 0, 60);
+  constexpr std::string_view kWait = "wait=";
+  for (const auto& [name, value] : request.headers) {
+    if (!http::same_name(name, "Prefer")) continue;
+    for (const std::string& entry : split_list(value)) {
+      std::string_view one = entry;
+      one = one.substr(0, one.find(';'));
+      while (one.starts_with(' ')) one.remove_prefix(1);
+      while (one.ends_with(' ')) one.remove_suffix(1);
+      if (http::same_name(one, "respond-async")) preference.async = true;
+      if (!http::same_name(one.substr(0, kWait.size()), kWait)) continue;
+      // What cannot be read is no preference (RFC 7240 §2).
+      const auto seconds = number_within("wait", one.substr(kWait.size()), 0, 60);
       if (seconds) preference.wait = std::chrono::seconds(static_cast<std::int64_t>(*seconds));
     }
   }
@@ -64,22 +89,6 @@ Preference preference_of(const Request& request) {
 Response status_response(int status, const Job& job) {
   Response response = json_response(status, ogc::status_info(job));
   if (status == 201) response.headers.add("Location", "/jobs/" + job.id);
-  return response;
-}
-
-/// One output as such.
-Response raw_output(const Request& request, const Job& job, const std::string& name, JobService& service) {
-  const auto output = std::ranges::find(job.outputs, name, &Output::name);
-  if (output == job.outputs.end()) {
-    return ogc::problem({ErrorCode::internal_error, "job " + job.id + " has lost its output " + name}, request);
-  }
-  auto body = service.open_output(job, *output);
-  if (!body) return ogc::problem(body.error(), request);
-  Response response;
-  response.content_type = media_type_of(name);
-  response.headers.add("Link", "<" + output_path(job.id, "report.json") + ">; rel=\"describedby\"");
-  response.headers.add("Cache-Control", "no-store");
-  response.body = std::move(*body);
   return response;
 }
 
@@ -97,6 +106,7 @@ Result<JobService::Submitted> submit(const ogc::Execution& execution, const Requ
                                      const RouteOptions& options) {
   auto submission = read_submission(execution.submission, options.rules);
   if (!submission) return std::move(submission).error();
+  submission->presentation = ogc::text_of(execution.presentation);
   std::unique_ptr<Upload> cloud;
   if (!execution.cloud.empty()) {
     auto upload = service.begin_upload();
@@ -128,24 +138,19 @@ Response execute(Request& request, JobService& service, const RouteOptions& opti
   }
   const std::chrono::milliseconds wait =
       preference.wait.value_or(std::chrono::duration_cast<std::chrono::seconds>(options.reconstruct_wait));
-  const std::string output = execution->report_alone ? "report.json" : submitted->job.wanted.front();
   return when_enough(
       request, submitted->job.id, wait, service, [](const Job& job) { return ended(job.status); },
-      [&service, raw = execution->raw, output](const Request& asked, const Job& job) {
+      [&service](const Request& asked, const Job& job) {
         if (!ended(job.status)) return status_response(201, job);
         if (const auto error = no_results(job)) return ogc::problem(*error, asked);
-        return raw ? raw_output(asked, job, output, service) : json_response(200, ogc::results(job));
+        return ogc::results(asked, job, service);
       });
 }
 
 Response list_jobs(const Request& request, JobService& service) {
-  const auto page = read_page(request, {"type", "processID"});
+  const auto page = read_ogc_page(request);
   if (!page) return ogc::problem(page.error(), request);
-  JobFilter filter = page->filter;
-  const auto process = single(request.query, "processID");
-  if (!process) return ogc::problem(process.error(), request);
-  if (!process->empty()) filter.method = *process;
-  const auto found = service.list(filter, page->limit, page->cursor);
+  const auto found = service.list(page->filter, page->limit, page->cursor);
   if (!found) return ogc::problem(found.error(), request);
   Json jobs = Json::array();
   for (const Job& job : found->jobs) jobs.push_back(ogc::status_info(job));
@@ -160,7 +165,7 @@ Response get_results(const Request& request, JobService& service) {
   const auto job = service.find(request.path_parts.at("id"));
   if (!job) return ogc::problem(job.error(), request);
   if (const auto error = no_results(*job)) return ogc::problem(*error, request);
-  return json_response(200, ogc::results(*job));
+  return ogc::results(request, *job, service);
 }
 
 Response dismiss(const Request& request, JobService& service) {

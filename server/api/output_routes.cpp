@@ -21,13 +21,17 @@ Result<Output> find_output(const Job& job, const std::string& name, JobService& 
   const auto found = std::ranges::find(job.outputs, name, &Output::name);
   if (found != job.outputs.end()) return *found;
   const std::string subject = "job " + job.id + " is " + std::string(name_of(job.status));
-  if (media_type_of(name).empty()) return Error{ErrorCode::output_not_found, "no job has an output '" + name + "'"};
+  if (media_type_of(name).empty()) {
+    return with_fault({ErrorCode::output_not_found, "no job has an output '" + name + "'"},
+                      {"name", name, "mesh, mesh.FORMAT, cloud.ply, report.json, log.txt"});
+  }
   if (!ended(job.status)) return Error{ErrorCode::not_finished, subject + " and has no " + name + " yet"};
   if (job.status != JobStatus::successful) return Error{ErrorCode::job_not_successful, subject + " and has no " + name};
   if (is_mesh(name)) return service.make_output(job, name);
   std::string made;
   for (const Output& output : job.outputs) made += (made.empty() ? "" : ", ") + output.name;
-  return Error{ErrorCode::output_not_found, "job " + job.id + " has no " + name + "; it made " + made};
+  return with_fault({ErrorCode::output_not_found, "job " + job.id + " has no " + name + "; it made " + made},
+                    {"name", name, "one of " + made});
 }
 
 /// The name to look for: the one asked for, or that of the format that the client wants most.

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "http/accept.hpp"
+#include "http/problem.hpp"
 
 namespace surfaced::api {
 namespace {
@@ -69,8 +70,9 @@ Result<std::vector<std::string>> outputs_for(std::span<const std::string> names,
       continue;
     }
     if (!is_mesh(name)) {
-      return Error{ErrorCode::unknown_output, "outputs names '" + name + "'; there are " + names_of(kMeshes) + ", " +
-                                                  std::string(kPoints.name) + ", " + names_of(kOthers)};
+      return http::wrong_value(
+          ErrorCode::unknown_output, "outputs", name,
+          "one of " + names_of(kMeshes) + ", " + std::string(kPoints.name) + ", " + names_of(kOthers));
     }
     if (std::ranges::find(outputs, name) == outputs.end()) outputs.push_back(name);
   }
@@ -83,8 +85,7 @@ Result<std::vector<std::string>> outputs_for(std::span<const std::string> names,
 Result<std::string> mesh_named(std::string_view format) {
   std::string name = "mesh." + std::string(format);
   if (is_mesh(name)) return name;
-  return Error{ErrorCode::unknown_output,
-               "output is '" + std::string(format) + "'; allowed are glb, gltf, drc, ply, obj, stl, 3mf"};
+  return http::wrong_value(ErrorCode::unknown_output, "output", format, "one of glb, gltf, drc, ply, obj, stl, 3mf");
 }
 
 Result<std::string> negotiate_mesh(std::optional<std::string_view> accept, std::span<const std::string> made) {
@@ -101,11 +102,9 @@ Result<std::string> negotiate_mesh(std::optional<std::string_view> accept, std::
     most = quality;
   }
   if (best != nullptr) return std::string(best->name);
-  return Error{ErrorCode::not_acceptable,
-               "Accept is '" + std::string(accept.value_or("").substr(0, 200)) +
-                   "'; there are model/gltf-binary, model/gltf+json, model/obj, model/stl, model/3mf and "
-                   "application/octet-stream (PLY, or Draco as "
-                   "application/x-draco)"};
+  return http::wrong_value(ErrorCode::not_acceptable, "Accept", accept.value_or(""),
+                           "one of model/gltf-binary, model/gltf+json, model/obj, model/stl, model/3mf, model/ply, "
+                           "application/x-draco, application/octet-stream");
 }
 
 }  // namespace surfaced::api

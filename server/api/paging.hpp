@@ -18,9 +18,12 @@ struct Page {
 };
 
 /// Reads status, method, labels, limit and cursor from the query; of the caller's own jobs, unless he sees all.
-/// @param others  names that the path takes besides
 /// @return  unknown_parameter, invalid_parameter.
-Result<Page> read_page(const http::Request& request, std::initializer_list<std::string_view> others = {});
+Result<Page> read_page(const http::Request& request);
+
+/// The same with the names of OGC API - Processes: type, processID, status, datetime, minDuration, maxDuration, limit;
+/// and labels and cursor.
+Result<Page> read_ogc_page(const http::Request& request);
 
 /// The address of the next page: this one's with another cursor.
 std::string next_page(const http::Request& request, std::int64_t cursor);

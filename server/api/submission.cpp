@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "api/outputs.hpp"
+#include "http/problem.hpp"
 #include "reconstruction/reconstruction.hpp"
 
 namespace surfaced::api {
@@ -25,20 +26,30 @@ constexpr std::size_t kMostLabels = 16;
 constexpr std::size_t kLongestLabel = 64;
 constexpr std::size_t kLongestWebhook = 2048;
 
+constexpr std::string_view kAllowedLabels = "up to 16 of 1 to 64 letters, digits and the signs ._:/=@-";
+
 bool is_among(const auto& names, std::string_view name) { return std::ranges::find(names, name) != names.end(); }
 
-std::string shown(std::string_view text) { return "'" + std::string(text.substr(0, 200)) + "'"; }
+std::string listed(const auto& names) {
+  std::string text;
+  for (const std::string_view name : names) text.append(text.empty() ? "" : ", ").append(name);
+  return text;
+}
 
 /// A reserved name that this path does not take is not ignored in silence.
 Status refuse_reserved(const http::Query& query, Door door) {
   for (const auto& [name, value] : query) {
     const bool taken = door == Door::jobs ? is_among(kForJobs, name) : is_among(kForReconstruct, name);
     if (is_among(kReserved, name) && !taken) {
-      return Error{ErrorCode::unknown_parameter, "'" + name + "' is not taken by this path"};
+      return with_fault(
+          {ErrorCode::unknown_parameter, "'" + name + "' is not taken by this path"},
+          {name, value,
+           (door == Door::jobs ? listed(kForJobs) : listed(kForReconstruct)) + ", and the parameters of the method"});
     }
     if (name == "cloud_id") {
-      return Error{ErrorCode::conflicting_input,
-                   "cloud_id " + shown(value) + " stands in the query of a request whose body is the cloud"};
+      return with_fault({ErrorCode::conflicting_input,
+                         "cloud_id '" + value + "' stands in the query of a request whose body is the cloud"},
+                        {name, value, "a body of JSON or a form that names it, without a cloud"});
     }
   }
   return Done{};
@@ -55,8 +66,9 @@ Result<std::vector<std::string>> checked_labels(std::vector<std::string> labels)
   std::ranges::sort(labels);
   labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
   if (labels.size() > kMostLabels) {
-    return Error{ErrorCode::invalid_parameter, "labels has " + std::to_string(labels.size()) +
-                                                   " entries; allowed are " + std::to_string(kMostLabels)};
+    return with_fault({ErrorCode::invalid_parameter, "labels has " + std::to_string(labels.size()) +
+                                                         " entries; allowed are " + std::to_string(kMostLabels)},
+                      {"labels", std::to_string(labels.size()) + " labels", std::string(kAllowedLabels)});
   }
   constexpr std::string_view kSigns = "._:/=@-";
   for (const std::string& label : labels) {
@@ -65,8 +77,7 @@ Result<std::vector<std::string>> checked_labels(std::vector<std::string> labels)
              kSigns.find(c) != kSigns.npos;
     });
     if (label.empty() || label.size() > kLongestLabel || !clean) {
-      return Error{ErrorCode::invalid_parameter,
-                   "labels has " + shown(label) + "; allowed are 1 to 64 letters, digits and the signs ._:/=@-"};
+      return http::wrong_value(ErrorCode::invalid_parameter, "labels", label, kAllowedLabels);
     }
   }
   return labels;
@@ -75,13 +86,13 @@ Result<std::vector<std::string>> checked_labels(std::vector<std::string> labels)
 Result<std::string> checked_webhook(std::string url, const SubmissionRules& rules) {
   if (url.empty()) return url;
   if (!rules.webhooks) {
-    return Error{ErrorCode::invalid_parameter,
-                 "webhook is " + shown(url) + ", but this server sends none (--webhooks)"};
+    return http::wrong_value(ErrorCode::invalid_parameter, "webhook", url,
+                             "none: this server sends no webhooks (--webhook-secret)");
   }
   const bool clean = std::ranges::all_of(url, [](char c) { return c > ' ' && c < '\x7f'; });
   if (!url.starts_with("https://") || url.size() > kLongestWebhook || !clean) {
-    return Error{ErrorCode::invalid_parameter, "webhook is " + shown(url) + "; allowed is an https:// URL of up to " +
-                                                   std::to_string(kLongestWebhook) + " printable characters"};
+    return http::wrong_value(ErrorCode::invalid_parameter, "webhook", url,
+                             "an https:// URL of up to " + std::to_string(kLongestWebhook) + " printable characters");
   }
   return url;
 }
@@ -119,9 +130,8 @@ Result<std::vector<std::string>> wanted_outputs(const http::Query& query, Door d
 using Json = nlohmann::ordered_json;
 
 Error wrong_type(std::string_view field, const Json& value, std::string_view allowed) {
-  return {ErrorCode::invalid_request, "'" + std::string(field) + "' is " +
-                                          shown(value.dump(-1, ' ', false, Json::error_handler_t::replace)) +
-                                          "; allowed is " + std::string(allowed)};
+  return http::wrong_value(ErrorCode::invalid_request, field,
+                           value.dump(-1, ' ', false, Json::error_handler_t::replace), allowed);
 }
 
 Result<std::string> text_field(const Json& body, const char* field) {
@@ -158,9 +168,10 @@ Status check_fields(const Json& body) {
   if (!body.is_object()) return wrong_type("body", body, "a JSON object");
   for (const auto& [field, value] : body.items()) {
     if (is_among(kFields, field)) continue;
-    return Error{ErrorCode::invalid_request, "the body has a field " + shown(field) +
-                                                 "; allowed are method, cloud_id, parameters, outputs, webhook, "
-                                                 "ttl_seconds, labels"};
+    return with_fault({ErrorCode::invalid_request,
+                       "the body has a field '" + field.substr(0, 200) + "'; allowed are " + listed(kFields)},
+                      {field.substr(0, 200), value.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 200),
+                       "one of " + listed(kFields)});
   }
   return Done{};
 }
@@ -193,8 +204,9 @@ Result<std::string> single(const http::Query& query, std::string_view name) {
     if (key == name && ++count == 1) value = text;
   }
   if (count > 1) {
-    return Error{ErrorCode::invalid_parameter,
-                 "'" + std::string(name) + "' is given " + std::to_string(count) + " times; once is allowed"};
+    return with_fault({ErrorCode::invalid_parameter,
+                       "'" + std::string(name) + "' is given " + std::to_string(count) + " times; once is allowed"},
+                      {std::string(name), value, "one value"});
   }
   return value;
 }
@@ -203,9 +215,8 @@ Result<double> number_within(std::string_view name, std::string_view text, doubl
   double value = 0;
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
   if (failed == std::errc() && end == text.data() + text.size() && value >= least && value <= most) return value;
-  return Error{ErrorCode::invalid_parameter, "'" + std::string(name) + "' is '" + std::string(text) +
-                                                 "'; allowed is a number from " + nlohmann::json(least).dump() +
-                                                 " to " + nlohmann::json(most).dump()};
+  return http::wrong_value(ErrorCode::invalid_parameter, name, text,
+                           "a number from " + nlohmann::json(least).dump() + " to " + nlohmann::json(most).dump());
 }
 
 Result<Submission> read_submission(const http::Query& query, Door door, const SubmissionRules& rules) {
@@ -248,7 +259,7 @@ Result<Submission> read_submission(const Json& body, const SubmissionRules& rule
   auto cloud = text_field(body, "cloud_id");
   if (!cloud) return std::move(cloud).error();
   return Submission{(*method)->id,      std::move(*parameters), std::move(*outputs), *ttl,
-                    std::move(*labels), std::move(*webhook),    std::move(*cloud)};
+                    std::move(*labels), std::move(*webhook),    std::move(*cloud),   {}};
 }
 
 }  // namespace surfaced::api

@@ -33,6 +33,8 @@ struct Submission {
   std::string webhook{};
   /// The stored cloud to work on; empty if the request brings its own.
   std::string cloud_id{};
+  /// As in NewJob.
+  std::string presentation{};
 };
 
 /// Which query names a path takes besides parameters of the method.

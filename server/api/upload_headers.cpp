@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "http/problem.hpp"
 #include "platform/base64.hpp"
 #include "platform/digest.hpp"
 
@@ -11,17 +12,15 @@ namespace {
 
 constexpr std::size_t kMaxMetadata = 4096;
 
-std::string shown(std::string_view text) { return "'" + std::string(text.substr(0, 100)) + "'"; }
-
 }  // namespace
 
 Result<std::uint64_t> bytes_header(const http::Headers& headers, std::string_view name) {
   const auto text = headers.find(name);
-  if (!text) return Error{ErrorCode::invalid_request, "the header " + std::string(name) + " is missing"};
+  if (!text) return http::missing_value(ErrorCode::invalid_request, name, "the header with a number of bytes");
   std::uint64_t number = 0;
   const auto [end, failed] = std::from_chars(text->data(), text->data() + text->size(), number);
   if (failed == std::errc() && end == text->data() + text->size() && headers.count(name) == 1) return number;
-  return Error{ErrorCode::invalid_request, std::string(name) + " is " + shown(*text) + "; allowed is, once, a number"};
+  return http::wrong_value(ErrorCode::invalid_request, name, *text, "once, a number of bytes");
 }
 
 Result<std::optional<UploadChecksum>> checksum_header(const http::Headers& headers) {
@@ -33,17 +32,16 @@ Result<std::optional<UploadChecksum>> checksum_header(const http::Headers& heade
   const auto bytes = blank == text->npos ? std::nullopt : base64_decode(text->substr(blank + 1));
   if (digest && bytes && bytes->size() == digest->finish().size())
     return std::optional(UploadChecksum{algorithm, *bytes});
-  return Error{ErrorCode::invalid_request,
-               "Upload-Checksum is " + shown(*text) +
-                   "; allowed is sha1, sha256, sha512 or md5, a blank, and the digest in base64"};
+  return http::wrong_value(ErrorCode::invalid_request, "Upload-Checksum", *text,
+                           "sha1, sha256, sha512 or md5, a blank, and the digest in base64");
 }
 
 Result<std::string> metadata_header(const http::Headers& headers) {
   const std::string_view whole = headers.find("Upload-Metadata").value_or("");
-  const auto refuse = [&](const char* why) {
-    return Error{ErrorCode::invalid_request, "Upload-Metadata " + shown(whole) + " " + why};
+  const auto refuse = [&](const char* allowed) {
+    return http::wrong_value(ErrorCode::invalid_request, "Upload-Metadata", whole, allowed);
   };
-  if (whole.size() > kMaxMetadata) return refuse("has more than 4096 bytes");
+  if (whole.size() > kMaxMetadata) return refuse("up to 4096 bytes");
   for (std::string_view left = whole; !left.empty();) {
     std::string_view pair = left.substr(0, left.find(','));
     left.remove_prefix(std::min(left.size(), pair.size() + 1));
@@ -51,9 +49,9 @@ Result<std::string> metadata_header(const http::Headers& headers) {
     const std::size_t blank = pair.find(' ');
     const std::string_view name = pair.substr(0, blank);
     const bool clean = std::ranges::all_of(name, [](char c) { return c > ' ' && c < '\x7f'; });
-    if (name.empty() || !clean) return refuse("has a pair without a name of printable ASCII");
+    if (name.empty() || !clean) return refuse("pairs whose names are printable ASCII");
     if (blank != pair.npos && blank + 1 < pair.size() && !base64_decode(pair.substr(blank + 1))) {
-      return refuse("has a value that is no base64");
+      return refuse("pairs whose values are base64");
     }
   }
   return std::string(whole);

@@ -107,22 +107,22 @@ class Uploads {
   static Status check_version(const Request& request) {
     const auto version = request.headers.find("Tus-Resumable");
     if (version == kVersion) return Done{};
-    return Error{ErrorCode::unsupported_tus_version,
-                 version ? "Tus-Resumable is '" + std::string(version->substr(0, 40)) + "'; spoken is 1.0.0"
-                         : std::string("the header Tus-Resumable is missing; spoken is 1.0.0")};
+    return version ? http::wrong_value(ErrorCode::unsupported_tus_version, "Tus-Resumable", *version, kVersion)
+                   : http::missing_value(ErrorCode::unsupported_tus_version, "Tus-Resumable", kVersion);
   }
 
   Result<PartialUpload> begin(const Request& request) {
     if (Status spoken = check_version(request); !spoken.ok()) return spoken.error();
-    if (request.headers.find("Upload-Defer-Length")) {
-      return Error{ErrorCode::invalid_request, "Upload-Defer-Length is not taken; give Upload-Length"};
+    if (const auto deferred = request.headers.find("Upload-Defer-Length")) {
+      return http::wrong_value(ErrorCode::invalid_request, "Upload-Defer-Length", *deferred,
+                               "no such header, but Upload-Length");
     }
     const auto length = bytes_header(request.headers, "Upload-Length");
     if (!length) return length.error();
-    if (*length == 0) return Error{ErrorCode::empty_input, "Upload-Length is 0"};
+    const std::string allowed = "1 to " + std::to_string(most_bytes_) + " bytes";
+    if (*length == 0) return http::wrong_value(ErrorCode::empty_input, "Upload-Length", "0", allowed);
     if (*length > most_bytes_) {
-      return Error{ErrorCode::payload_too_large, "Upload-Length is " + std::to_string(*length) + ", the limit is " +
-                                                     std::to_string(most_bytes_) + " bytes"};
+      return http::wrong_value(ErrorCode::payload_too_large, "Upload-Length", std::to_string(*length), allowed);
     }
     const auto metadata = metadata_header(request.headers);
     if (!metadata) return metadata.error();
@@ -136,14 +136,13 @@ class Uploads {
     auto upload = store_.find(id);
     const auto owner = request.caller.owner();
     if (!upload || !owner || upload->owner == *owner) return upload;
-    return Error{ErrorCode::upload_not_found, "no upload has the id '" + id + "'"};
+    return no_such_upload(id);
   }
 
   Result<PartialUpload> append(Request& request) {
     if (Status spoken = check_version(request); !spoken.ok()) return spoken.error();
     if (const std::string type = content_type_of(request); type != kPatchType) {
-      return Error{ErrorCode::unsupported_media_type,
-                   "Content-Type is '" + type.substr(0, 100) + "'; taken is " + kPatchType};
+      return http::wrong_value(ErrorCode::unsupported_media_type, "Content-Type", type, kPatchType);
     }
     const auto offset = bytes_header(request.headers, "Upload-Offset");
     if (!offset) return offset.error();
@@ -153,9 +152,8 @@ class Uploads {
     auto session = store_.begin(request.path_parts.at("id"));
     if (!session) return session.error();
     if (*offset != session->upload().offset) {
-      return Error{ErrorCode::upload_offset_mismatch, "Upload-Offset is " + std::to_string(*offset) +
-                                                          ", the upload ends at " +
-                                                          std::to_string(session->upload().offset)};
+      return http::wrong_value(ErrorCode::upload_offset_mismatch, "Upload-Offset", std::to_string(*offset),
+                               std::to_string(session->upload().offset) + ", where the upload ends");
     }
     if (Status space = service_.check_space(request.body->length().value_or(0)); !space.ok()) return space.error();
     auto upload = receive(request, *session, *checksum);
@@ -175,10 +173,12 @@ class Uploads {
     if (checksum) {
       if (!read) return read.error();
       if (digest->finish() != checksum->digest) {
-        return Error{ErrorCode::checksum_mismatch,
-                     "the " + checksum->algorithm +
-                         " of the part differs from Upload-Checksum; the upload still ends at " +
-                         std::to_string(session.upload().offset)};
+        return with_fault(
+            {ErrorCode::checksum_mismatch, "the " + checksum->algorithm +
+                                               " of the part differs from Upload-Checksum; the upload still ends at " +
+                                               std::to_string(session.upload().offset)},
+            {"Upload-Checksum", std::string(request.headers.find("Upload-Checksum").value_or("")),
+             "the " + checksum->algorithm + " of the bytes that are sent"});
       }
       return session.keep();
     }

@@ -56,7 +56,9 @@ std::optional<std::string> job_of(Database& database, std::string_view id, std::
 }
 
 Error unknown_cloud(std::string_view id) {
-  return {ErrorCode::cloud_not_found, "no cloud has the id '" + std::string(id) + "'"};
+  std::string text(id.substr(0, 64));
+  return with_fault({ErrorCode::cloud_not_found, "no cloud has the id '" + text + "'"},
+                    {"cloud_id", text, "the SHA-256 of a cloud that POST /v1/clouds has taken"});
 }
 
 class SqliteCloudStore final : public CloudStore {

@@ -5,6 +5,7 @@
 #include "command/command.hpp"
 #include "command/problem.hpp"
 #include "config/serve_options.hpp"
+#include "http/tls.hpp"
 
 namespace surfaced {
 namespace {
@@ -38,11 +39,19 @@ void print_as_text(const Configuration& configuration) {
   for (const std::string& warning : configuration.warnings) std::cout << "warning: " << warning << "\n";
 }
 
+void check_tls(Configuration& configuration) {
+  const Settings& settings = configuration.settings;
+  if (settings.tls_certificate.empty() || settings.tls_key.empty()) return;
+  const auto tls = http::Tls::load({settings.tls_certificate, settings.tls_key});
+  if (!tls) configuration.problems.push_back(tls.error().detail);
+}
+
 int check(Options& options) {
   if (!options.file.empty()) options.sources.file = options.file;
   use_environment(options.sources);
   Configuration configuration = read_configuration(options.sources);
   check_machine(configuration);
+  check_tls(configuration);
   options.as_json ? print_as_json(configuration) : print_as_text(configuration);
   if (configuration.problems.empty()) return 0;
   return report_problem({ErrorCode::invalid_usage, joined(configuration.problems)});

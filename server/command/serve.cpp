@@ -10,6 +10,7 @@
 #include <ctime>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "artifacts/file_artifact_store.hpp"
@@ -20,6 +21,7 @@
 #include "config/serve_options.hpp"
 #include "http/router.hpp"
 #include "http/server.hpp"
+#include "http/tls.hpp"
 #include "jobs/scheduler.hpp"
 #include "jobs/sqlite_job_store.hpp"
 #include "observability/log.hpp"
@@ -40,20 +42,23 @@ constexpr auto kLogLevels = std::to_array<std::string_view>({"debug", "info", "w
 /// Name of the command that the server starts for every attempt.
 constexpr const char* kAttemptCommand = "attempt";
 
-/// The signals that stop the server. Blocked in every thread, they are taken by `wait` alone.
-class StopSignals {
+/// The signals that stop the server or have it read its certificate again. Blocked in every thread, they are taken by
+/// `wait` alone.
+class Signals {
  public:
-  StopSignals() {
+  Signals() {
     sigemptyset(&signals_);
     sigaddset(&signals_, SIGTERM);
     sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
   }
-  /// True if one has come, false if the time is over.
-  bool wait(std::time_t seconds) const {
+  /// The one that has come, or none if the time is over.
+  std::optional<int> wait(std::time_t seconds) const {
     const timespec time{seconds, 0};
-    return ::sigtimedwait(&signals_, nullptr, &time) > 0;
+    const int signal = ::sigtimedwait(&signals_, nullptr, &time);
+    return signal > 0 ? std::optional(signal) : std::nullopt;
   }
 
  private:
@@ -186,8 +191,14 @@ class Service {
     if (!doors) return std::move(doors).error();
     doors_ = std::move(*doors);
     doors_->hang(router_, [this] { return metrics_.text(gauges()); });
-    auto server = http::Server::listen(*address, server_limits(settings_), router_,
-                                       [this](const http::Exchange& answered) { tell_of_request(metrics_, answered); });
+    if (!settings_.tls_certificate.empty()) {
+      auto tls = http::Tls::load({settings_.tls_certificate, settings_.tls_key});
+      if (!tls) return tls.error();
+      tls_ = std::move(*tls);
+    }
+    auto server = http::Server::listen(
+        *address, server_limits(settings_), router_,
+        [this](const http::Exchange& answered) { tell_of_request(metrics_, answered); }, tls_.get());
     if (!server) return server.error();
     server_ = std::move(*server);
     if (Status recovered = recover(*jobs_, *artifacts_); !recovered.ok()) return recovered;
@@ -201,11 +212,19 @@ class Service {
   }
 
   /// Returns when the server is told to stop.
-  void run(const StopSignals& signals) {
-    for (unsigned sweeps = 1; !signals.wait(kSecondsBetweenSweeps); ++sweeps) {
+  void run(const Signals& signals) {
+    unsigned sweeps = 0;
+    for (;;) {
+      const auto signal = signals.wait(kSecondsBetweenSweeps);
+      // Without a certificate it means what it always does: that the terminal is gone.
+      if (signal == SIGHUP && tls_) {
+        reload();
+        continue;
+      }
+      if (signal) return;
       remove_expired(*jobs_, *artifacts_);
       doors_->sweep();
-      if (sweeps % kSweepsBetweenOrphans == 0) remove_orphans(orphans_);
+      if (++sweeps % kSweepsBetweenOrphans == 0) remove_orphans(orphans_);
     }
   }
 
@@ -224,6 +243,14 @@ class Service {
   }
 
  private:
+  void reload() {
+    if (const Status read = tls_->reload(); !read) {
+      log(LogLevel::error, "the certificate stays as it was", {{"detail", read.error().detail}});
+    } else {
+      log(LogLevel::info, "the certificate was read again", {{"ends", tls_->not_after()}});
+    }
+  }
+
   Scheduler::Options scheduler_options() {
     const std::chrono::milliseconds lease = std::chrono::seconds(settings_.lease);
     return {static_cast<unsigned>(settings_.workers), attempt_limits(settings_), lease / 3,
@@ -258,13 +285,14 @@ class Service {
   OrphanSweep orphans_;
   std::unique_ptr<Doors> doors_;
   http::Router router_;
+  std::unique_ptr<http::Tls> tls_;
   std::unique_ptr<http::Server> server_;
 };
 
 Status serve(const Settings& settings) {
   // Children run as the same user: they shall not read the memory or the environment of the server.
   ::prctl(PR_SET_DUMPABLE, 0);
-  const StopSignals signals;
+  const Signals signals;
   raise_file_limit();
   const auto lock = DataLock::acquire(settings.data);
   if (!lock) return lock.error();

@@ -85,6 +85,10 @@ std::optional<Given> from_environment(const Setting& setting, const Sources& sou
 void check_together(Configuration& configuration) {
   const Settings& settings = configuration.settings;
   if (settings.data.empty()) configuration.problems.emplace_back("data is not set; it has no default");
+  if (settings.tls_certificate.empty() != settings.tls_key.empty()) {
+    configuration.problems.push_back(settings.tls_key.empty() ? "tls-certificate is set and tls-key is not"
+                                                              : "tls-key is set and tls-certificate is not");
+  }
   if (settings.bodies >= settings.http_threads) {
     configuration.problems.push_back("bodies is " + std::to_string(settings.bodies) +
                                      "; allowed is less than http-threads, which is " +

@@ -45,6 +45,9 @@ struct Settings {
   std::uint64_t drain_time = 5;
   std::uint64_t drain_delay = 0;
 
+  /// Both or none; none: plain HTTP.
+  std::filesystem::path tls_certificate;
+  std::filesystem::path tls_key;
   /// Empty: nobody needs a key.
   std::filesystem::path keys;
   std::string allow_anonymous = "no";

@@ -23,9 +23,6 @@ struct RangeSpec {
   std::optional<std::uint64_t> last;
 };
 std::optional<RangeSpec> parse_range(std::string_view value) {
-  constexpr std::string_view kUnit = "bytes=";
-  if (value.size() < kUnit.size() || !same_name(value.substr(0, kUnit.size()), kUnit)) return std::nullopt;
-  value.remove_prefix(kUnit.size());
   const std::size_t dash = value.find('-');
   if (dash == value.npos) return std::nullopt;
   const std::string_view before = value.substr(0, dash);
@@ -34,6 +31,26 @@ std::optional<RangeSpec> parse_range(std::string_view value) {
   const bool readable = (before.empty() || spec.first) && (after.empty() || spec.last) && (spec.first || spec.last);
   if (!readable || (spec.first && spec.last && *spec.first > *spec.last)) return std::nullopt;
   return spec;
+}
+
+constexpr std::string_view kUnit = "bytes=";
+
+Error not_satisfiable(std::string_view value, std::uint64_t size) {
+  return wrong_value(ErrorCode::range_not_satisfiable, "Range", value,
+                     "bytes=FIRST-LAST, bytes=FIRST- or bytes=-COUNT within " + std::to_string(size) + " bytes");
+}
+
+/// True if every part of the list is a range.
+bool is_list_of_ranges(std::string_view list) {
+  for (;;) {
+    std::string_view one = list.substr(0, list.find(','));
+    const bool last = one.size() == list.size();
+    list.remove_prefix(std::min(list.size(), one.size() + 1));
+    while (one.starts_with(' ') || one.starts_with('\t')) one.remove_prefix(1);
+    while (one.ends_with(' ') || one.ends_with('\t')) one.remove_suffix(1);
+    if (!parse_range(one)) return false;
+    if (last) return true;
+  }
 }
 
 }  // namespace
@@ -59,13 +76,15 @@ Result<std::optional<ByteRange>> requested_range(const Headers& headers, std::st
   if (!value || headers.count("Range") > 1) return std::optional<ByteRange>();
   if (const auto condition = headers.find("If-Range"); condition && *condition != etag)
     return std::optional<ByteRange>();
-  const auto spec = parse_range(*value);
-  if (!spec) return std::optional<ByteRange>();
+  // A unit that is not known here is to be ignored (RFC 9110 §14.2); so may several parts be.
+  if (value->size() < kUnit.size() || !same_name(value->substr(0, kUnit.size()), kUnit))
+    return std::optional<ByteRange>();
+  const std::string_view list = value->substr(kUnit.size());
+  if (list.find(',') != list.npos && is_list_of_ranges(list)) return std::optional<ByteRange>();
+  const auto spec = parse_range(list);
+  if (!spec) return not_satisfiable(*value, size);
   const std::uint64_t first = spec->first ? *spec->first : size - std::min(size, *spec->last);
-  if (first >= size || (!spec->first && *spec->last == 0)) {
-    return Error{ErrorCode::range_not_satisfiable,
-                 "Range '" + std::string(value->substr(0, 100)) + "' of " + std::to_string(size) + " bytes"};
-  }
+  if (first >= size || (!spec->first && *spec->last == 0)) return not_satisfiable(*value, size);
   const std::uint64_t end = spec->first && spec->last && *spec->last < size ? *spec->last + 1 : size;
   return std::optional(ByteRange{first, end - first});
 }

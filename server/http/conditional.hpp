@@ -19,8 +19,8 @@ struct ByteRange {
 bool not_modified(const Headers& headers, std::string_view etag);
 
 /// The one range that the request asks for; none if it asks for the whole: without Range, with an
-/// If-Range that does not match, with a Range that is malformed or of several parts (RFC 9110 lets a
-/// server ignore those). range_not_satisfiable if the range begins behind the end.
+/// If-Range that does not match, with a Range of another unit or of several parts (RFC 9110 lets a
+/// server ignore those). range_not_satisfiable if the range begins behind the end, or is none.
 Result<std::optional<ByteRange>> requested_range(const Headers& headers, std::string_view etag, std::uint64_t size);
 
 /// Value of Repr-Digest (RFC 9530) for a SHA-256 in hexadecimal digits.

@@ -12,6 +12,9 @@
 #include <cerrno>
 #include <cstring>
 
+#include "http/problem.hpp"
+#include "platform/random.hpp"
+
 namespace surfaced::http {
 namespace {
 
@@ -24,12 +27,29 @@ constexpr std::uint64_t kTurnBytes = std::uint64_t{1} << 20;
 
 }  // namespace
 
-Connection::Connection(UniqueFd fd, const ConnectionLimits& limits)
+Connection::Connection(UniqueFd fd, const ConnectionLimits& limits, const Tls* tls)
     // A new connection is expected to speak; a used one may stay silent for a while.
     : fd_(std::move(fd)), limits_(limits), head_deadline_(Clock::now() + limits.head_time) {
   const int on = 1;
   // Answers are written head first, body after: without this the body waits for an acknowledgement.
   ::setsockopt(fd_.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  if (tls != nullptr) tls_.emplace(*tls, fd_.get());
+}
+
+bool Connection::has_news() const {
+  char byte = 0;
+  const ssize_t count = ::recv(fd_.get(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+  return count >= 0 || (errno != EAGAIN && errno != EINTR);
+}
+
+TlsChannel::Greeting Connection::greet() {
+  const TlsChannel::Greeting greeting = tls_->greet();
+  if (greeting == TlsChannel::Greeting::plain) {
+    const std::string answer = closing_answer(
+        {ErrorCode::invalid_request, "this port speaks HTTPS; the request came without TLS"}, random_hex<12>());
+    [[maybe_unused]] const ssize_t sent = ::send(fd_.get(), answer.data(), answer.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  }
+  return greeting;
 }
 
 bool Connection::wait(short events, Clock::time_point deadline) {
@@ -51,9 +71,10 @@ std::ptrdiff_t Connection::fill() {
   used_ = 0;
   std::array<char, kReadBytes> bytes{};
   for (;;) {
-    const ssize_t count = ::recv(fd_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return errno == EAGAIN ? -1 : 0;
+    const std::ptrdiff_t count =
+        tls_ ? tls_->receive(bytes.data(), bytes.size()) : ::recv(fd_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (count < 0 && !tls_ && errno == EINTR) continue;
+    if (count < 0) return tls_ || errno == EAGAIN ? -1 : 0;
     buffer_.append(bytes.data(), static_cast<std::size_t>(count));
     return count;
   }
@@ -130,6 +151,11 @@ std::ptrdiff_t Connection::read(char* bytes, std::size_t size) {
 }
 
 std::ptrdiff_t Connection::try_send(const char* bytes, std::size_t size) {
+  if (tls_) {
+    const std::ptrdiff_t count = tls_->send(bytes, size);
+    if (count > 0) transferred_ += static_cast<std::uint64_t>(count);
+    return count;
+  }
   for (;;) {
     const ssize_t count = ::send(fd_.get(), bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL);
     if (count < 0 && errno == EINTR) continue;
@@ -149,6 +175,7 @@ bool Connection::write(std::string_view bytes) {
 }
 
 void Connection::begin_linger() {
+  if (tls_) tls_->end();
   ::shutdown(fd_.get(), SHUT_WR);
   linger_deadline_ = Clock::now() + kLingerTime;
 }

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "base/base.hpp"
+#include "http/tls.hpp"
 #include "platform/unique_fd.hpp"
 
 namespace surfaced::http {
@@ -27,13 +28,23 @@ struct ConnectionLimits {
   std::uint64_t body_rate = 4096;
 };
 
-/// A socket with a buffer. What waits for the client's head is done step by step by whoever has the time
-/// (take_head, try_send, drop_arrived never block); only the body of a request is waited for, at a minimum pace.
+/// A socket with a buffer, and TLS in between if the server speaks it. What waits for the client's head is done step by
+/// step by whoever has the time (greet, take_head, try_send, drop_arrived never block); only the body of a request is
+/// waited for, at a minimum pace.
 class Connection {
  public:
   using Clock = std::chrono::steady_clock;
 
-  Connection(UniqueFd fd, const ConnectionLimits& limits);
+  /// @param tls  none for plain HTTP
+  Connection(UniqueFd fd, const ConnectionLimits& limits, const Tls* tls);
+
+  bool inside_tls() const { return tls_.has_value(); }
+  /// True if the client has sent something, or is gone.
+  bool has_news() const;
+  /// Goes on with the handshake of TLS; a client that speaks plain HTTP is told that this is the wrong port for it.
+  TlsChannel::Greeting greet();
+  /// Why it failed.
+  const std::string& greeting_failure() const { return tls_->why(); }
 
   /// What has arrived of the next head.
   struct Incomplete {};
@@ -87,6 +98,8 @@ class Connection {
   std::optional<Error> head_too_large() const;
 
   UniqueFd fd_;
+  // Ends before the descriptor does.
+  std::optional<TlsChannel> tls_;
   const ConnectionLimits& limits_;
   std::string buffer_;
   std::size_t used_ = 0;

@@ -31,13 +31,8 @@ void watch(int epoll, int fd, std::uint32_t events, std::uint64_t id) {
 }
 
 void turn_away(const UniqueFd& client) {
-  const Error error{ErrorCode::not_ready, "all connections of the server are taken"};
-  const std::string id = random_hex<12>();
-  const std::string body = text_of(problem_json(error, {}, id));
   const std::string answer =
-      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nContent-Length: " +
-      std::to_string(body.size()) + "\r\nConnection: close\r\nRetry-After: 1\r\nX-Request-Id: " + id + "\r\n\r\n" +
-      body;
+      closing_answer({ErrorCode::not_ready, "all connections of the server are taken"}, random_hex<12>());
   // What has arrived is taken first, or the close would reset the connection before the answer is read.
   std::array<char, 16384> dropped{};
   for (int i = 0; i < 4 && ::recv(client.get(), dropped.data(), dropped.size(), MSG_DONTWAIT) > 0; ++i) {
@@ -146,9 +141,8 @@ void Lobby::take_mail() {
   }
   if (close_asked) close_now();
   for (auto& session : arrivals) {
-    const Session::State state = session->state();
-    if (closed_ && state == Session::State::head) continue;
-    if (state == Session::State::waiting && (closed_ || session->rung())) {
+    if (closed_ && session->before_request()) continue;
+    if (session->state() == Session::State::waiting && (closed_ || session->rung())) {
       ready_(std::move(session));
     } else {
       seat(std::move(session));
@@ -166,9 +160,12 @@ void Lobby::close_now() {
   std::vector<std::uint64_t> ids;
   for (const auto& [id, guest] : guests_) ids.push_back(id);
   for (const std::uint64_t id : ids) {
-    const Session::State state = guests_.at(id).session->state();
-    if (state == Session::State::head) unseat(id);
-    if (state == Session::State::waiting) ready_(unseat(id));
+    const Session& session = *guests_.at(id).session;
+    if (session.before_request()) {
+      unseat(id);
+    } else if (session.state() == Session::State::waiting) {
+      ready_(unseat(id));
+    }
   }
 }
 
@@ -190,11 +187,13 @@ void Lobby::accept_some() {
 void Lobby::admit(UniqueFd client) {
   if (places_ >= options_.connections && !make_room()) {
     ++turned_away_;
-    turn_away(client);
+    // Who expects TLS could not read the reason.
+    if (options_.tls == nullptr) turn_away(client);
     return;
   }
   const std::uint64_t id = next_id_++;
-  auto session = std::make_unique<Session>(id, std::move(client), options_.connection, options_.requests, places_);
+  auto session =
+      std::make_unique<Session>(id, std::move(client), options_.connection, options_.requests, places_, options_.tls);
   Session& seen = *session;
   seat(std::move(session));
   // Often the head has arrived together with the connection.
@@ -203,7 +202,7 @@ void Lobby::admit(UniqueFd client) {
 
 bool Lobby::make_room() {
   for (const auto& [deadline, id] : deadlines_) {
-    if (guests_.at(id).session->state() != Session::State::head) continue;
+    if (!guests_.at(id).session->before_request()) continue;
     unseat(id);
     ++turned_away_;
     return true;

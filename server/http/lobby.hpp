@@ -28,6 +28,8 @@ class Lobby {
     ConnectionLimits connection;
     std::size_t connections = 2000;
     std::size_t requests = 1000;
+    /// None for plain HTTP.
+    const Tls* tls = nullptr;
   };
   /// Takes over a session that has work to be done; must not block.
   using Ready = std::function<void(std::unique_ptr<Session>)>;

@@ -38,7 +38,22 @@ const Row& row_of(ErrorCode code) { return table().rows.at(static_cast<std::size
 /// Seconds after which trying again makes sense.
 constexpr std::string_view kRetryAfter = "5";
 
+bool asks_to_come_back(int status) { return status == 503 || status == 429 || status == 507; }
+
 }  // namespace
+
+Error wrong_value(ErrorCode code, std::string_view field, std::string_view value, std::string_view allowed) {
+  constexpr std::size_t kLongestEcho = 200;
+  const std::string name(field);
+  const std::string text(value.substr(0, kLongestEcho));
+  return with_fault({code, "'" + name + "' is '" + text + "'; allowed is " + std::string(allowed)},
+                    {name, text, std::string(allowed)});
+}
+
+Error missing_value(ErrorCode code, std::string_view field, std::string_view needed) {
+  return with_fault({code, "'" + std::string(field) + "' is missing; needed is " + std::string(needed)},
+                    {std::string(field), std::nullopt, std::string(needed)});
+}
 
 int status_of(ErrorCode code) { return row_of(code).status; }
 
@@ -63,9 +78,18 @@ Json problem_json(const Error& error, std::string_view instance, std::string_vie
 Response problem_response(const Error& error, const Request& request) {
   Response response = json_response(status_of(error.code), problem_json(error, request.path, request.request_id));
   response.content_type = "application/problem+json";
-  if (response.status == 503 || response.status == 429 || response.status == 507)
-    response.headers.add("Retry-After", std::string(kRetryAfter));
+  if (asks_to_come_back(response.status)) response.headers.add("Retry-After", std::string(kRetryAfter));
   return response;
+}
+
+std::string closing_answer(const Error& error, std::string_view request_id) {
+  const Row& row = row_of(error.code);
+  const std::string body = text_of(problem_json(error, {}, request_id));
+  std::string answer = "HTTP/1.1 " + std::to_string(row.status) + " " + row.title +
+                       "\r\nContent-Type: application/problem+json\r\nContent-Length: " + std::to_string(body.size()) +
+                       "\r\nConnection: close\r\n";
+  if (asks_to_come_back(row.status)) answer.append("Retry-After: ").append(kRetryAfter).append("\r\n");
+  return answer.append("X-Request-Id: ").append(request_id).append("\r\n\r\n") + body;
 }
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }

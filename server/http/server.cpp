@@ -59,7 +59,7 @@ Result<Address> parse_address(std::string_view text) {
 }
 
 Result<std::unique_ptr<Server>> Server::listen(const Address& address, const ServerLimits& limits, const Router& router,
-                                               Observer observer) {
+                                               Observer observer, const Tls* tls) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
@@ -69,16 +69,17 @@ Result<std::unique_ptr<Server>> Server::listen(const Address& address, const Ser
   const std::unique_ptr<addrinfo, FreeAddresses> found(list);
   auto bound = bind_to(*list, address);
   if (!bound) return bound.error();
-  return std::unique_ptr<Server>(new Server(std::move(*bound), limits, router, std::move(observer)));
+  return std::unique_ptr<Server>(new Server(std::move(*bound), limits, router, std::move(observer), tls));
 }
 
-Server::Server(UniqueFd listener, const ServerLimits& limits, const Router& router, Observer observer)
+Server::Server(UniqueFd listener, const ServerLimits& limits, const Router& router, Observer observer, const Tls* tls)
     : limits_(limits),
       observer_(std::move(observer)),
+      tls_(tls),
       places_(limits.bodies, limits.bodies_per_address),
       engine_(router, limits.body_bytes, places_),
       listener_(std::move(listener)),
-      lobby_(listener_.get(), {limits.connection, limits.connections, limits.requests},
+      lobby_(listener_.get(), {limits.connection, limits.connections, limits.requests, tls},
              [this](std::unique_ptr<Session> session) { add(std::move(session)); }) {}
 
 Server::~Server() { stop(std::chrono::milliseconds(0)); }
@@ -95,7 +96,8 @@ std::string Server::url() const {
     return {};
   }
   const bool v6 = address.ss_family == AF_INET6;
-  return std::string("http://") + (v6 ? "[" : "") + host.data() + (v6 ? "]:" : ":") + port.data();
+  return std::string(tls_ != nullptr ? "https://" : "http://") + (v6 ? "[" : "") + host.data() + (v6 ? "]:" : ":") +
+         port.data();
 }
 
 void Server::start() {

@@ -59,13 +59,14 @@ class Server {
   using Observer = std::function<void(const Exchange& answered)>;
 
   /// Binds and listens; port 0 takes a free one. invalid_usage if the address cannot be had.
+  /// @param tls  outlives the server; none for plain HTTP
   static Result<std::unique_ptr<Server>> listen(const Address& address, const ServerLimits& limits,
-                                                const Router& router, Observer observer = {});
+                                                const Router& router, Observer observer = {}, const Tls* tls = nullptr);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// http://host:port with the real port.
+  /// http://host:port, or https, with the real port.
   std::string url() const;
 
   void start();
@@ -76,7 +77,7 @@ class Server {
   ServerState state() const { return {lobby_.connections(), lobby_.turned_away()}; }
 
  private:
-  Server(UniqueFd listener, const ServerLimits& limits, const Router& router, Observer observer);
+  Server(UniqueFd listener, const ServerLimits& limits, const Router& router, Observer observer, const Tls* tls);
   void pool_loop();
   std::unique_ptr<Session> next();
   void work_on(std::unique_ptr<Session> session);
@@ -84,6 +85,7 @@ class Server {
 
   const ServerLimits limits_;
   const Observer observer_;
+  const Tls* const tls_;
   BodyPlaces places_;
   Engine engine_;
   UniqueFd listener_;

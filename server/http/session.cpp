@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "http/request_head.hpp"
+#include "observability/log.hpp"
 
 namespace surfaced::http {
 namespace {
@@ -17,8 +18,12 @@ constexpr std::uint64_t kTurnBytes = std::uint64_t{1} << 20;
 }  // namespace
 
 Session::Session(std::uint64_t id, UniqueFd fd, const ConnectionLimits& limits, std::size_t requests,
-                 std::atomic<std::size_t>& places)
-    : id_(id), connection_(std::move(fd), limits), places_(places), requests_left_(requests) {
+                 std::atomic<std::size_t>& places, const Tls* tls)
+    : id_(id),
+      connection_(std::move(fd), limits, tls),
+      places_(places),
+      requests_left_(requests),
+      state_(tls == nullptr ? State::head : State::greeting) {
   ++places_;
 }
 
@@ -26,6 +31,8 @@ Session::~Session() { --places_; }
 
 std::uint32_t Session::events() const {
   switch (state_) {
+    case State::greeting:
+      return greeting_writes_ ? EPOLLOUT : EPOLLIN | EPOLLRDHUP;
     case State::writing:
       return EPOLLOUT;
     case State::waiting:
@@ -38,6 +45,7 @@ std::uint32_t Session::events() const {
 
 Session::Clock::time_point Session::deadline() const {
   switch (state_) {
+    case State::greeting:
     case State::head:
       return connection_.head_deadline();
     case State::waiting:
@@ -51,6 +59,9 @@ Session::Clock::time_point Session::deadline() const {
 
 Session::Step Session::advance() {
   switch (state_) {
+    case State::greeting:
+      // The arithmetic of a handshake is too much for the one thread that all wait in.
+      return greeting_writes_ || connection_.has_news() ? Step::ready : Step::waits;
     case State::head: {
       auto arrival = connection_.take_head();
       if (std::holds_alternative<Connection::Incomplete>(arrival)) return Step::waits;
@@ -80,7 +91,23 @@ Session::Step Session::overdue() {
   return Step::ready;
 }
 
+Session::Step Session::greet() {
+  using Greeting = TlsChannel::Greeting;
+  const Greeting greeting = connection_.greet();
+  greeting_writes_ = greeting == Greeting::writes;
+  if (greeting == Greeting::reads || greeting == Greeting::writes) return Step::waits;
+  if (greeting != Greeting::done) {
+    log(LogLevel::debug, "a TLS handshake failed",
+        {{"client", connection_.remote_address()}, {"detail", connection_.greeting_failure()}});
+    return Step::over;
+  }
+  state_ = State::head;
+  // The head often comes in the client's last bytes of the handshake.
+  return advance();
+}
+
 Session::Step Session::work(Engine& engine, const std::function<void(std::uint64_t)>& ring, bool stopping) {
+  if (state_ == State::greeting) return greet();
   if (state_ == State::waiting && exchange_.feed) {
     // The ring may come from the subscription itself, which the first piece begins.
     if (!subscription_) {

@@ -14,6 +14,7 @@ namespace surfaced::http {
 
 /// A connection and what is going on on it:
 ///
+///   greeting (TLS) --(a thread of the pool: keys are exchanged)--> head
 ///   head --arrived--> (a thread of the pool: engine) --answer--> writing --keep--> head
 ///                          |          ^                             |---drain---> lingering --> over
 ///                          '--later-> waiting <--feed, until its end--+---close---> over
@@ -23,25 +24,28 @@ namespace surfaced::http {
 class Session {
  public:
   using Clock = Connection::Clock;
-  enum class State : std::uint8_t { head, waiting, writing, lingering };
+  enum class State : std::uint8_t { greeting, head, waiting, writing, lingering };
   enum class Step : std::uint8_t {
     /// It waits for `events` or for the deadline.
     waits,
-    /// There is work for the pool: a head to answer, or an answer to look for.
+    /// There is work for the pool: a handshake to go on with, a head to answer, or an answer to look for.
     ready,
     over,
   };
 
   /// @param id  of this connection, for as long as it lives
   /// @param places  counts the connections; one is given back when this object ends
+  /// @param tls  none for plain HTTP
   Session(std::uint64_t id, UniqueFd fd, const ConnectionLimits& limits, std::size_t requests,
-          std::atomic<std::size_t>& places);
+          std::atomic<std::size_t>& places, const Tls* tls);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
   std::uint64_t id() const { return id_; }
   State state() const { return state_; }
+  /// No request is there yet that would be owed an answer.
+  bool before_request() const { return state_ == State::greeting || state_ == State::head; }
   int descriptor() const { return connection_.descriptor(); }
   /// What epoll shall look for.
   std::uint32_t events() const;
@@ -52,7 +56,7 @@ class Session {
   /// The deadline has passed.
   Step overdue();
 
-  /// Answers the head that has arrived, or looks for the answer that was waited for.
+  /// Goes on with the handshake, answers the head that has arrived, or looks for the answer that was waited for.
   /// @param ring  tells the lobby that the session with this id may have its answer; called by any thread
   /// @param stopping  the server answers what it has and ends the connection
   Step work(Engine& engine, const std::function<void(std::uint64_t id)>& ring, bool stopping);
@@ -64,6 +68,7 @@ class Session {
   std::optional<Exchange> take_answered();
 
  private:
+  Step greet();
   Step begin_writing();
   Step write_on();
   Step after_writing();
@@ -74,7 +79,9 @@ class Session {
   Connection connection_;
   std::atomic<std::size_t>& places_;
   std::size_t requests_left_;
-  State state_ = State::head;
+  State state_;
+  // The handshake goes on when the socket takes bytes, not when it has some.
+  bool greeting_writes_ = false;
   std::optional<Result<std::string>> head_;
   Exchange exchange_;
   std::size_t sent_ = 0;

@@ -40,4 +40,10 @@ Verdict judge(Outcome outcome, Mishaps before) {
   }
 }
 
+Error no_such_job(std::string_view id) {
+  std::string text(id.substr(0, 64));
+  return with_fault({ErrorCode::job_not_found, "no job has the id '" + text + "'"},
+                    {"id", text, "the id of a job, as POST /v1/jobs has given it"});
+}
+
 }  // namespace surfaced

@@ -72,6 +72,8 @@ struct NewJob {
   std::string idempotency_key{};
   /// Hash of everything that the submission asks for.
   std::string fingerprint{};
+  /// How the door that took it will show its results; of no meaning to anybody else.
+  std::string presentation{};
 
   /// True if its input is a stored cloud, which other jobs may use too.
   bool of_stored_cloud() const { return !input.key.empty() && input.key == input.sha256; }
@@ -161,5 +163,8 @@ struct Verdict {
   bool parked = false;
 };
 Verdict judge(Outcome outcome, Mishaps before);
+
+/// job_not_found, in the words that everybody uses who does not find it, or must not say that there is one.
+Error no_such_job(std::string_view id);
 
 }  // namespace surfaced

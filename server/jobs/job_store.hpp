@@ -41,11 +41,17 @@ struct Retry {
 struct JobFilter {
   /// Of this owner alone; none for all.
   std::optional<std::string> owner;
-  std::optional<JobStatus> status;
-  /// Empty for any.
-  std::string method;
+  /// Any of these; empty for all.
+  std::vector<JobStatus> statuses{};
+  /// Any of these; empty for all.
+  std::vector<std::string> methods{};
   /// A job has to have all of them.
-  std::vector<std::string> labels;
+  std::vector<std::string> labels{};
+  std::optional<SystemTime> created_from{};
+  std::optional<SystemTime> created_to{};
+  /// Seconds from its beginning to its end, or to now; a job that has not begun has none.
+  std::optional<double> shortest{};
+  std::optional<double> longest{};
 };
 
 struct JobPage {

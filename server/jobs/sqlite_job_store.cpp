@@ -79,7 +79,7 @@ class SqliteJobStore final : public JobStore {
       const std::scoped_lock lock(read_mutex_);
       auto owner = select_owner(reader_, id);
       if (owner) return std::move(*owner);
-      return Error{ErrorCode::job_not_found, "no job has the id '" + std::string(id) + "'"};
+      return no_such_job(id);
     });
   }
 
@@ -317,9 +317,10 @@ class SqliteJobStore final : public JobStore {
   }
 
   static Status present(const std::optional<JobRow>& row, std::string_view id) {
-    if (!row) return Error{ErrorCode::job_not_found, "no job has the id '" + std::string(id) + "'"};
+    if (!row) return no_such_job(id);
     if (row->removed_at.empty()) return Done{};
-    return Error{ErrorCode::job_gone, "the job '" + std::string(id) + "' was removed at " + row->removed_at};
+    return with_fault({ErrorCode::job_gone, "the job '" + std::string(id) + "' was removed at " + row->removed_at},
+                      {"id", std::string(id), "the id of a job that was not removed"});
   }
 
   void add_progress(Job& job) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,6 +17,9 @@ std::string to_rfc3339(SystemTime time);
 
 /// As HTTP writes it: Mon, 06 May 2024 07:08:09 GMT.
 std::string to_http_date(SystemTime time);
+
+/// Reads a time as RFC 3339 allows it: with or without a fraction of the second, in UTC or with an offset.
+std::optional<SystemTime> parse_rfc3339(std::string_view text);
 
 /// Reads what to_rfc3339 wrote.
 SystemTime from_rfc3339(std::string_view text);

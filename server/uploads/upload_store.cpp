@@ -43,6 +43,12 @@ Json record_of(const PartialUpload& upload) {
 
 }  // namespace
 
+Error no_such_upload(std::string_view id) {
+  std::string text(id.substr(0, 64));
+  return with_fault({ErrorCode::upload_not_found, "no upload has the id '" + text + "'"},
+                    {"id", text, "the id of an upload that POST /v1/uploads has given"});
+}
+
 Result<std::unique_ptr<UploadStore>> UploadStore::open(const fs::path& directory, std::chrono::seconds lifetime) {
   if (Status made = make_directory(directory); !made.ok()) return made.error();
   return std::unique_ptr<UploadStore>(new UploadStore(directory, lifetime));
@@ -59,7 +65,7 @@ Result<PartialUpload> UploadStore::create(std::string_view owner, std::uint64_t 
 }
 
 Result<PartialUpload> UploadStore::load(std::string_view id) const {
-  const Error unknown{ErrorCode::upload_not_found, "no upload has the id '" + std::string(id.substr(0, 64)) + "'"};
+  const Error unknown = no_such_upload(id);
   if (!is_id(id)) return unknown;
   std::ifstream file(record_file(id));
   if (!file) return unknown;
@@ -88,9 +94,10 @@ Result<PartialUpload> UploadStore::find(std::string_view id) {
   auto upload = load(id);
   if (!upload) return upload;
   if (!upload->gone && upload->expires_at > now()) return upload;
-  return Error{ErrorCode::upload_gone,
-               "the upload '" + upload->id + "' " +
-                   (upload->gone ? "was ended" : "expired at " + to_rfc3339(upload->expires_at))};
+  return with_fault(
+      {ErrorCode::upload_gone, "the upload '" + upload->id + "' " +
+                                   (upload->gone ? "was ended" : "expired at " + to_rfc3339(upload->expires_at))},
+      {"id", upload->id, "an upload that is going on"});
 }
 
 bool UploadStore::take(const std::string& id) {

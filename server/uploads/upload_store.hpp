@@ -41,6 +41,9 @@ struct PartialUpload {
   bool whole() const { return offset == length; }
 };
 
+/// upload_not_found.
+Error no_such_upload(std::string_view id);
+
 class UploadStore {
  public:
   /// @param lifetime  of an upload without progress

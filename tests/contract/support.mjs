@@ -26,7 +26,7 @@ export async function startServer(flags = []) {
   const base = await new Promise((resolve, reject) => {
     child.once('exit', (code) => reject(new Error(`the server ended with ${code}`)));
     createInterface({ input: child.stdout }).on('line', (line) => {
-      const found = /http:\/\/\S+/.exec(line);
+      const found = /https?:\/\/\S+/.exec(line);
       if (found) resolve(found[0].replace(/\/$/, ''));
     });
   });
@@ -36,7 +36,7 @@ export async function startServer(flags = []) {
     await ended;
     rmSync(data, { recursive: true, force: true });
   };
-  return { base, stop };
+  return { base, stop, signal: (name) => child.kill(name) };
 }
 
 /** Checks answers against the operations of the contract, and keeps a tally of what was seen. */

@@ -101,7 +101,7 @@ TEST_F(CloudsTest, pages_go_from_the_newest_to_the_oldest_and_miss_none) {
   alices.owner = "alice";
   EXPECT_EQ(jobs_->list(alices, 10, std::nullopt).value().jobs.size(), 3U);
   JobFilter running;
-  running.status = JobStatus::running;
+  running.statuses = {JobStatus::running};
   EXPECT_TRUE(jobs_->list(running, 10, std::nullopt).value().jobs.empty());
   EXPECT_EQ(jobs_->holding_of("alice").value().active_jobs, 3U);
 }

@@ -36,10 +36,21 @@ TEST(ConditionalTest, a_range_behind_the_end_cannot_be_served) {
   EXPECT_EQ(range_of(with("Range", "bytes=-1"), 0), "range_not_satisfiable");
 }
 
-TEST(ConditionalTest, several_ranges_and_nonsense_give_the_whole) {
-  for (const char* value : {"bytes=0-1,2-3", "bytes=", "bytes=-", "bytes=5-2", "lines=1-2", "bytes=a-b", "bytes=1",
-                            "bytes=99999999999999999999-", "bytes=+1-2", ""}) {
+TEST(ConditionalTest, several_ranges_and_other_units_give_the_whole) {
+  for (const char* value : {"bytes=0-1,2-3", "bytes=0-1, -3 ,7-", "lines=1-2", ""}) {
     EXPECT_EQ(range_of(with("Range", value)), "whole") << value;
+  }
+}
+
+TEST(ConditionalTest, what_is_no_range_is_refused_with_the_value_and_what_is_allowed) {
+  for (const char* value : {"bytes=", "bytes=-", "bytes=5-2", "bytes=a-b", "bytes=1", "bytes=99999999999999999999-",
+                            "bytes=+1-2", "bytes=0-1,", "bytes=0-1,x"}) {
+    const auto range = requested_range(with("Range", value), kEtag, 100);
+    ASSERT_FALSE(range) << value;
+    EXPECT_EQ(range.error().code, ErrorCode::range_not_satisfiable);
+    EXPECT_EQ(range.error().fault->field, "Range");
+    EXPECT_EQ(range.error().fault->value, value);
+    EXPECT_NE(range.error().fault->allowed.find("100 bytes"), std::string::npos);
   }
 }
 

@@ -42,12 +42,12 @@ class RawConnection {
       throw std::runtime_error("cannot connect to port " + std::to_string(port));
     }
   }
-  ~RawConnection() { ::close(fd_); }
+  virtual ~RawConnection() { ::close(fd_); }
   RawConnection(const RawConnection&) = delete;
   RawConnection& operator=(const RawConnection&) = delete;
 
   /// False once the server does not take any more.
-  bool send(std::string_view bytes) const {
+  virtual bool send(std::string_view bytes) {
     while (!bytes.empty()) {
       const ssize_t count = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
       if (count <= 0) return false;
@@ -87,12 +87,21 @@ class RawConnection {
     return closed_;
   }
 
+ protected:
+  int descriptor() const { return fd_; }
+
+  /// True if something can be received within this time.
+  virtual bool arrives_within(std::chrono::milliseconds patience) {
+    pollfd descriptor{fd_, POLLIN, 0};
+    return ::poll(&descriptor, 1, static_cast<int>(patience.count())) > 0;
+  }
+  virtual ssize_t receive(char* bytes, std::size_t size) { return ::recv(fd_, bytes, size, 0); }
+
  private:
   bool more(std::chrono::milliseconds patience) {
-    pollfd descriptor{fd_, POLLIN, 0};
-    if (::poll(&descriptor, 1, static_cast<int>(patience.count())) <= 0) return false;
+    if (!arrives_within(patience)) return false;
     std::array<char, 65536> bytes{};
-    const ssize_t count = ::recv(fd_, bytes.data(), bytes.size(), 0);
+    const ssize_t count = receive(bytes.data(), bytes.size());
     closed_ = count <= 0;
     if (count > 0) buffer_.append(bytes.data(), static_cast<std::size_t>(count));
     return count > 0;

@@ -116,6 +116,7 @@ JobRow read_job(const Query& query) {
   job.owner = query.text(21);
   job.labels = texts_in(query.text(22));
   job.webhook = query.text(23);
+  job.presentation = query.text(24);
   return row;
 }
 
@@ -170,8 +171,8 @@ void insert_job(Database& database, const NewJob& job, SystemTime time) {
   const std::string labels = nlohmann::json(job.labels).dump();
   Query(database,
         "INSERT INTO jobs (id, method, parameters, status, input_key, input_bytes, input_sha256, wanted, request_id, "
-        "traceparent, ttl_seconds, created_at, owner, labels, webhook) "
-        "VALUES (?, ?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+        "traceparent, ttl_seconds, created_at, owner, labels, webhook, presentation) "
+        "VALUES (?, ?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(job.id)
       .bind(job.method)
       .bind(parameters)
@@ -186,6 +187,7 @@ void insert_job(Database& database, const NewJob& job, SystemTime time) {
       .bind(job.owner)
       .bind(labels)
       .bind(job.webhook)
+      .bind(job.presentation)
       .run();
 }
 
@@ -196,7 +198,7 @@ std::optional<JobRow> select_job(Database& database, std::string_view id) {
     Query query(database,
                 "SELECT id, method, parameters, status, attempt, input_key, input_bytes, input_sha256, ttl_seconds, "
                 "created_at, started_at, finished_at, expires_at, removed_at, error_code, error_detail, wanted, "
-                "request_id, seq, parked, traceparent, owner, labels, webhook "
+                "request_id, seq, parked, traceparent, owner, labels, webhook, presentation "
                 "FROM jobs WHERE id = ?");
     query.bind(id);
     if (!query.step()) return std::nullopt;

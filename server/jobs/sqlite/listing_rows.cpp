@@ -15,17 +15,29 @@ constexpr std::string_view kAny = "";
 JobPage select_page(Database& database, const JobFilter& filter, std::size_t limit,
                     std::optional<std::int64_t> before) {
   const std::string labels = nlohmann::json(filter.labels).dump();
+  const std::string methods = nlohmann::json(filter.methods).dump();
+  nlohmann::json names = nlohmann::json::array();
+  for (const JobStatus status : filter.statuses) names.push_back(name_of(status));
+  const std::string statuses = names.dump();
+  const std::string from = filter.created_from ? to_rfc3339(*filter.created_from) : std::string();
+  const std::string to = filter.created_to ? to_rfc3339(*filter.created_to) : std::string();
+  const std::string time = to_rfc3339(now());
   std::vector<std::pair<std::string, std::int64_t>> found;
   {
     Query query(database,
                 "SELECT id, seq FROM jobs WHERE removed_at IS NULL AND seq < ?1 AND (?2 OR owner = ?3) "
-                "AND (?4 = '' OR status = ?4) AND (?5 = '' OR method = ?5) "
+                "AND (?4 = '[]' OR status IN (SELECT value FROM json_each(?4))) "
+                "AND (?5 = '[]' OR method IN (SELECT value FROM json_each(?5))) "
                 "AND NOT EXISTS (SELECT 1 FROM json_each(?6) AS asked "
                 "WHERE asked.value NOT IN (SELECT value FROM json_each(jobs.labels))) "
-                "ORDER BY seq DESC LIMIT ?7");
+                "AND created_at >= ?7 AND (?8 = '' OR created_at <= ?8) "
+                "AND (?9 < 0 OR (julianday(coalesce(finished_at, ?11)) - julianday(started_at)) * 86400 >= ?9) "
+                "AND (?10 < 0 OR (julianday(coalesce(finished_at, ?11)) - julianday(started_at)) * 86400 <= ?10) "
+                "ORDER BY seq DESC LIMIT ?12");
     query.bind(before.value_or(std::numeric_limits<std::int64_t>::max()));
     query.bind(std::int64_t{!filter.owner}).bind(filter.owner ? std::string_view(*filter.owner) : kAny);
-    query.bind(filter.status ? name_of(*filter.status) : kAny).bind(filter.method).bind(labels);
+    query.bind(statuses).bind(methods).bind(labels).bind(from).bind(to);
+    query.bind(filter.shortest.value_or(-1)).bind(filter.longest.value_or(-1)).bind(time);
     query.bind(static_cast<std::int64_t>(limit + 1));
     while (query.step()) found.emplace_back(query.text(0), query.number(1));
   }

@@ -121,6 +121,9 @@ BEGIN
     VALUES (lower(hex(randomblob(16))), NEW.id, NEW.webhook, NEW.finished_at, NEW.finished_at);
 END;
 )sql",
+    R"sql(
+ALTER TABLE jobs ADD COLUMN presentation TEXT NOT NULL DEFAULT '';
+)sql",
 });
 
 }  // namespace
