@@ -1,10 +1,12 @@
 // Random sequences of calls, valid and not, against a model of what jobs may do. No answer is ever a 500, and every
-// answer is one that the contract knows. The seed is printed; SURFACED_SEED repeats a run.
+// answer is one that the contract knows. The seed is printed; SURFACED_SEED repeats a run, SURFACED_STEPS makes it longer.
 import assert from 'node:assert/strict';
+import { createHash } from 'node:crypto';
 import { after, before, test } from 'node:test';
 import { Client, sphere } from './client.mjs';
 
 const seed = Number(process.env.SURFACED_SEED ?? Date.now() % 2 ** 31);
+const steps = Number(process.env.SURFACED_STEPS ?? 300);
 let client;
 before(async () => {
   client = await Client.start(['--workers', '2', '--queue-limit', '8']);
@@ -28,7 +30,7 @@ const after_ = {
   dismissed: ['dismissed'],
 };
 
-test(`jobs keep to their states whatever is asked of them (seed ${seed})`, { timeout: 120000 }, async () => {
+test(`jobs keep to their states whatever is asked of them (seed ${seed})`, { timeout: 120000 + steps * 400 }, async () => {
   const random = randomOf(seed);
   const pick = (list) => list[random(list.length)];
   const jobs = new Map();
@@ -96,12 +98,91 @@ test(`jobs keep to their states whatever is asked of them (seed ${seed})`, { tim
       if (status === 204) clouds.delete(id);
       else assert.ok([404, 409].includes(status), `${status}`);
     },
+    async repeat() {
+      const headers = { 'content-type': 'application/octet-stream', 'idempotency-key': `key-${random(20)}` };
+      const target = `/v1/jobs?method=advancing-front${pick(['', '&labels=x'])}`;
+      const body = sphere(40 + random(3));
+      const first = await client.post(target, body, headers);
+      if (first.status === 201) jobs.set(first.body.id, 'accepted');
+      else if (first.status !== 200) return assert.ok([410, 422, 503].includes(first.status), `${first.status} ${first.body.code}`);
+      const second = await client.post(target, body, headers);
+      return assert.equal(`${second.status} ${second.body.id}`, `200 ${first.body.id}`);
+    },
+    async upload() {
+      const bytes = Buffer.from(Array.from({ length: 1 + random(400) }, () => random(256)));
+      const tus = { 'tus-resumable': '1.0.0' };
+      const created = await client.call('POST', '/v1/uploads', { headers: { ...tus, 'upload-length': String(bytes.length) } });
+      assert.equal(created.status, 201);
+      const target = created.headers.get('location');
+      let offset = 0;
+      for (let i = 0; i < 12 && offset < bytes.length; ++i) {
+        const [from, size] = [pick([offset, offset, offset, offset + 1, 0]), 1 + random(200)];
+        const part = bytes.subarray(from, from + size);
+        const algorithm = pick(['sha1', 'md5']);
+        const honest = random(4) > 0;
+        const headers = { ...tus, 'content-type': 'application/offset+octet-stream', 'upload-offset': String(from) };
+        if (random(2)) headers['upload-checksum'] = `${algorithm} ${createHash(algorithm).update(honest ? part : 'x').digest('base64')}`;
+        const { status, headers: told } = await client.call('PATCH', target, { body: part, headers });
+        if (from !== offset) assert.equal(status, 409);
+        else if (headers['upload-checksum'] && !honest) assert.equal(status, 460);
+        else {
+          assert.equal(status, 204);
+          offset += part.length;
+          assert.equal(told.get('upload-offset'), String(offset));
+        }
+        const head = await client.call('HEAD', target, { headers: tus });
+        assert.equal(head.headers.get('upload-offset'), String(offset), 'what counts is what was told');
+      }
+      const { body } = await client.call('GET', target);
+      const sum = createHash('sha256').update(bytes).digest('hex');
+      assert.equal(body.cloud_id, offset === bytes.length ? sum : null);
+      if (body.cloud_id) clouds.add(body.cloud_id);
+      assert.equal((await client.call('DELETE', target, { headers: tus })).status, 204);
+      assert.equal((await client.call('HEAD', target, { headers: tus })).status, 410);
+    },
+    async execute() {
+      const cloud = pick([pick([...clouds, 'x']), { value: pick(bodies)().toString('base64') }, { href: '/v1/clouds/x' }, 7, null]);
+      const outputs = pick([{}, undefined, { mesh: {} }, { report: { transmissionMode: 'reference' } }, { mesh: { transmissionMode: 'x' } }, [], 'mesh']);
+      const wish = { inputs: pick([{ cloud }, { cloud, beta: 0.5 }, { cloud, beta: {} }, {}, 'x']), outputs, response: pick(['raw', 'document', undefined, 1]) };
+      const prefer = pick(['respond-async', 'wait=0', 'wait=1', 'respond-async, wait=1', '']);
+      const { status, body } = await client.json(`/processes/${pick(['advancing-front', 'advancing-front', 'magic'])}/execution`, wish, { prefer });
+      if (status === 201) jobs.set(body.jobID, 'accepted');
+      else assert.ok([200, 204, 400, 404, 422, 503].includes(status), `${status} ${body.code}`);
+    },
+    async results() {
+      const id = someJob();
+      const { status, body } = await client.call('GET', `/jobs/${id}/results`);
+      if (jobs.get(id) === 'removed') assert.equal(status, 410);
+      else if (['failed', 'dismissed'].includes(jobs.get(id))) assert.ok(status >= 400 && status < 500, `${status}`);
+      else assert.ok([200, 204, 400, 404, 409, 422].includes(status), `${status} ${body.code}`);
+    },
+    async follow() {
+      const ended = [...jobs].filter(([, status]) => ['successful', 'failed', 'dismissed'].includes(status)).map(([id]) => id);
+      const headers = pick([{}, { 'last-event-id': '1.0.running' }, { 'last-event-id': 'nonsense' }, { 'last-event-id': '99.99.done' }]);
+      const { status, body } = await client.call('GET', `/v1/jobs/${pick([...ended, 'x'])}/events`, { headers });
+      assert.ok([200, 204, 404].includes(status), `${status}`);
+      if (status === 200) assert.match(body.toString(), /event: done\n.*\ndata: .*\n\n$/);
+    },
+    async deliveries() {
+      const id = someJob();
+      const { status, body } = await client.call('GET', `/v1/jobs/${id}/deliveries`);
+      if (status === 200) assert.deepEqual(body.deliveries, []);
+      else assert.ok([400, 404, 410].includes(status), `${status}`);
+    },
+    async nonsense() {
+      const junk = [null, true, -1, 1e308, '', 'x', '\u0000', [], [[]], {}, { cloud_id: 'x' }, 'a'.repeat(3000), '\ud800'];
+      const names = ['method', 'cloud_id', 'parameters', 'outputs', 'webhook', 'ttl_seconds', 'labels', 'inputs', 'x'];
+      const body = Object.fromEntries(Array.from({ length: random(4) }, () => [pick(names), pick(junk)]));
+      const target = pick(['/v1/jobs', '/v1/reconstruct', '/v1/clouds', '/processes/advancing-front/execution']);
+      const { status } = await client.json(target, pick([body, pick(junk)]));
+      assert.ok(status >= 400 && status < 500, `${status}`);
+    },
     async list() {
-      const { status } = await client.call('GET', `/v1/jobs?${pick(['', 'limit=3', 'status=failed', 'cursor=5', 'limit=-1', 'labels=a', 'x=1'])}`);
+      const { status } = await client.call('GET', `/v1/jobs?${pick(['', 'limit=3', 'status=failed', 'status=failed,running', 'cursor=5', 'limit=-1', 'labels=a', 'x=1'])}`);
       assert.ok([200, 400].includes(status));
     },
   };
-  for (let i = 0; i < 250; ++i) await actions[pick(Object.keys(actions))]();
+  for (let i = 0; i < steps; ++i) await actions[pick(Object.keys(actions))]();
 });
 
 test('every path and method answers as the contract says', async () => {
