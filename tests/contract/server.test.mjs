@@ -185,11 +185,11 @@ test('the curl example waits, downloads and prints the report, and shows a probl
   try {
     const good = run(path.join(source, 'client-examples/samples/knot.ply'), path.join(folder, 'knot.glb'), 'method=advancing-front', 'beta=0.5');
     assert.equal(good.status, 0, good.stderr);
-    assert.equal(JSON.parse(good.stdout).parameters.beta, 0.5);
+    assert.match(good.stdout, /^6000 vertices, \d+ triangles, genus 1, closed: /);
     gltfJson(readFileSync(path.join(folder, 'knot.glb')));
     const bad = run(path.join(source, 'README.md'), path.join(folder, 'none.glb'), 'method=advancing-front');
     assert.notEqual(bad.status, 0);
-    assert.match(bad.stderr, /unknown_format/);
+    assert.match(bad.stderr, /no format that is read here/);
     assert.equal(run('--help').status, 0);
   } finally {
     rmSync(folder, { recursive: true, force: true });
