@@ -80,21 +80,27 @@ TEST(Figure3, the_patch_keeps_its_rim) {
   EXPECT_EQ(topology.boundary_loops, 1U);
 }
 
-TEST(Figure4, the_bowl_keeps_its_rim_though_the_front_would_fill_its_concave_sides) {
-  constexpr std::size_t kSide = 32;
-  std::vector<Point3> points;
-  for (std::size_t i = 0; i < kSide; ++i) {
-    for (std::size_t j = 0; j < kSide; ++j) {
-      const double x = -1 + 2 * static_cast<double>(i) / (kSide - 1);
-      const double y = -1 + 2 * static_cast<double>(j) / (kSide - 1);
-      points.push_back({x, y, x * x + y * y});
+TEST(Figure4, the_bowl_keeps_its_rim_from_20_points_across_and_with_a_limit_from_16) {
+  struct Sampling {
+    std::size_t side;
+    std::optional<double> max_edge;
+  };
+  for (const auto& [side, max_edge] : {Sampling{16, 2.5}, Sampling{20, std::nullopt}, Sampling{32, std::nullopt}}) {
+    const auto cells = static_cast<double>(side - 1);
+    std::vector<Point3> points;
+    for (std::size_t i = 0; i < side; ++i) {
+      for (std::size_t j = 0; j < side; ++j) {
+        const double x = -1 + 2 * static_cast<double>(i) / cells;
+        const double y = -1 + 2 * static_cast<double>(j) / cells;
+        points.push_back({x, y, x * x + y * y});
+      }
     }
+    const Topology topology = topology_of(reconstruct(points, {.max_edge = max_edge}));
+    EXPECT_EQ(topology.vertices, side * side);
+    EXPECT_EQ(topology.triangles, 2 * (side - 1) * (side - 1));
+    EXPECT_EQ(topology.boundary_edges, 4 * (side - 1));
+    EXPECT_EQ(topology.boundary_loops, 1U);
   }
-  const Topology topology = topology_of(reconstruct(points));
-  EXPECT_EQ(topology.vertices, kSide * kSide);
-  EXPECT_EQ(topology.triangles, 2 * (kSide - 1) * (kSide - 1));
-  EXPECT_EQ(topology.boundary_edges, 4 * (kSide - 1));
-  EXPECT_EQ(topology.boundary_loops, 1U);
 }
 
 }  // namespace
