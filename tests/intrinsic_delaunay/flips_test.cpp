@@ -8,6 +8,7 @@
 #include "hole_filling/hole_filling.hpp"
 #include "intrinsic_delaunay/intrinsic_delaunay.hpp"
 #include "support/holes.hpp"
+#include "support/nasty_clouds.hpp"
 #include "support/planar_delaunay.hpp"
 
 namespace surfaced {
@@ -110,6 +111,25 @@ TEST(FlipEdges, makes_a_filled_mesh_intrinsic_delaunay_again_and_keeps_what_it_i
     TriangleMesh again = mesh;
     ASSERT_TRUE(idt::flip_edges(again, context));
     EXPECT_EQ(again.triangles, mesh.triangles);
+  }
+}
+
+TEST(FlipEdges, keeps_what_was_filled_on_nasty_clouds_manifold) {
+  for (std::uint64_t number = 0; number < 1100; ++number) {
+    const testing::NastyCloud nasty = testing::NastyClouds::make(number);
+    const std::string name = nasty.kind + " " + std::to_string(number);
+    Context context(1 + number % 2);
+    auto result = intrinsic_delaunay(*make_cloud(testing::raw_cloud(nasty.points)), {}, context);
+    if (!result) continue;
+    ASSERT_TRUE(fill_holes(result->mesh, {}, context)) << name;
+    const Topology before = topology_of(result->mesh);
+    const auto counts = idt::flip_edges(result->mesh, context);
+    ASSERT_TRUE(counts) << name;
+    const Topology after = topology_of(result->mesh);
+    EXPECT_EQ(testing::manifold_problem(result->mesh), "") << name;
+    EXPECT_EQ(after.triangles, before.triangles) << name;
+    EXPECT_EQ(after.boundary_edges, before.boundary_edges) << name;
+    EXPECT_EQ(after.euler_characteristic, before.euler_characteristic) << name;
   }
 }
 
