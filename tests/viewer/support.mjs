@@ -12,7 +12,7 @@ export const knot = readFileSync(sampleFile('knot.ply'));
 
 /** Starts the daemon; `data` and `listen` let it come back as it was. */
 export async function startServer(flags = [], data = mkdtempSync(path.join(tmpdir(), 'surfaced-viewer-')), listen = '127.0.0.1:0') {
-  const child = spawn(process.env.SURFACED_BIN, ['serve', '--listen', listen, '--data', data, ...flags], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const child = spawn(process.env.SURFACED_BIN, ['serve', '--listen', listen, '--data', data, '--log-level', 'warning', ...flags], { stdio: ['ignore', 'pipe', 'inherit'] });
   const base = await new Promise((resolve, reject) => {
     child.once('exit', (code) => reject(new Error(`the server ended with ${code}`)));
     createInterface({ input: child.stdout }).on('line', (line) => {
@@ -76,14 +76,25 @@ export async function reconstruct(page, method) {
 
 export const facts = (page) => page.$$eval('.facts dd', (items) => items.map((item) => item.textContent));
 
-/** Waits until the canvas has been drawn since its last change and its large parts are whole again. */
-export const settled = (page) => page.waitForTimeout(400);
+/** Waits until nothing has been drawn for a while: what moved has come to rest, and large meshes are whole again. */
+export const settled = (page) => page.evaluate(() => new Promise((resolve) => {
+  const stage = window.surfacedStage;
+  let timer = 0;
+  const rest = () => requestAnimationFrame(() => requestAnimationFrame(resolve));
+  stage.onFrame = () => {
+    clearTimeout(timer);
+    timer = setTimeout(rest, 400);
+  };
+  stage.draw();
+}));
 
 /** What of the picture is not background: its share, its box, and the share of its box that it fills. */
 export async function silhouette(page, clip) {
   await settled(page);
-  // What lies over the canvas is no part of the picture.
+  // What lies over the canvas is no part of the picture, nor is the frame of what has the focus.
+  await page.evaluate(() => { document.querySelector('#canvas').style.outline = 'none'; });
   await page.evaluate(() => { for (const part of document.querySelectorAll('#overlay, .toolbar')) part.style.visibility = 'hidden'; });
+  await page.locator('#canvas').scrollIntoViewIfNeeded();
   const box = await page.locator('#canvas').boundingBox();
   const png = await page.screenshot({ clip: clip ? clip(box) : box });
   await page.evaluate(() => { for (const part of document.querySelectorAll('#overlay, .toolbar')) part.style.visibility = ''; });

@@ -1,7 +1,7 @@
 // The measuring parts of the viewer.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { distancesToSurface, encloses, treeOf } from '../../../server/web/src/geometry/compare';
+import { distancesOfTriangles, encloses, toSurface, treeOf } from '../../../server/web/src/geometry/compare';
 import { edgesOf } from '../../../server/web/src/geometry/edges';
 import type { MeshData } from '../../../server/web/src/geometry/mesh_data';
 import { NearestPoints } from '../../../server/web/src/geometry/nearest';
@@ -76,10 +76,19 @@ test('the coarse stand-in has about as few triangles as asked for, and keeps the
   assert.ok(reach > 0.95);
 });
 
+test('distances of triangles see what corners do not: a lid over points that both meshes share', () => {
+  const box = (index: number[]): MeshData => ({ positions: Float32Array.from([0, 0, 0, 4, 0, 0, 4, 4, 0, 0, 4, 0, 2, 2, -3]), index: Uint32Array.from(index), origin: [0, 0, 0] });
+  const cup = box([0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0]);
+  const lid = box([0, 1, 2, 0, 2, 3]);
+  const values = distancesOfTriangles(lid, [0, 0, 0], toSurface(treeOf(cup)));
+  assert.ok(values.every((value) => value > 1.2), String(values));
+  assert.ok(distancesOfTriangles(lid, [0, 0, 1], toSurface(treeOf(lid))).every((value) => Math.abs(value - 1) < 1e-6));
+});
+
 test('distances to a surface and insides are those of the sphere', () => {
   const tree = treeOf(sphere(60));
-  const distances = distancesToSurface(tree, Float32Array.from([2, 0, 0, 0, 0, 0, 0, 1, 0]), [0, 0, 0]);
-  assert.ok(Math.abs(distances[0] - 1) < 2e-3 && Math.abs(distances[1] - 1) < 2e-3 && distances[2] < 1e-6, String(distances));
+  const distance = toSurface(tree);
+  assert.ok(Math.abs(distance(2, 0, 0) - 1) < 2e-3 && Math.abs(distance(0, 0, 0) - 1) < 2e-3 && distance(0, 1, 0) < 1e-6);
   assert.ok(encloses(tree, 0.3, 0.2, -0.5));
   assert.ok(!encloses(tree, 0.9, 0.9, 0));
 });

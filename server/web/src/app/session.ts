@@ -88,7 +88,7 @@ export class Session {
   private async setCloud(file: File): Promise<void> {
     this.forget();
     const cloud: ChosenCloud = { name: file.name, size: file.size, file };
-    this.change({ cloud, results: [undefined, undefined], difference: undefined, error: undefined, colour: 'none', notice: `Reading ${file.name} …` });
+    this.change({ cloud, results: [undefined, undefined], difference: undefined, pointed: undefined, error: undefined, colour: 'none', notice: `Reading ${file.name} …` });
     try {
       cloud.data = await this.geometry.loadCloud(await file.arrayBuffer());
     } catch (failure) {
@@ -147,19 +147,23 @@ export class Session {
   /** Shows how the job goes, then what became of it. */
   private async watch(begun: Job, side: Side, signal: AbortSignal): Promise<void> {
     let job = begun;
+    let phases: string[] = [];
     const show = (fraction: number | undefined, detail: string): void =>
-      this.work({ side, what: job.status === 'accepted' ? 'queue' : 'run', fraction, detail, job });
+      this.work({ side, what: job.status === 'accepted' ? 'queue' : 'run', fraction, detail, job, phases });
     const place = () => (job.queue_position ? `${job.queue_position} before it in the queue` : 'next in the queue');
     if (side === 0) this.setLink(job.id);
     show(undefined, place());
     const ended = isEnded(job) ? job : await followJob(this.api, job.id, {
       state: (now) => {
         job = now;
+        phases = [];
         if (job.status === 'accepted') show(undefined, place());
       },
       progress: (progress, phase) => {
         job = { ...job, status: 'running' };
-        show(progress, phase.replaceAll('-', ' ').replaceAll('_', ' '));
+        const words = phase.replaceAll(/[-_]/g, ' ');
+        if (words !== '' && phases.at(-1) !== words) phases = [...phases, words];
+        show(progress, words);
       },
       log: () => undefined,
       lost: (again) => {
@@ -218,7 +222,7 @@ export class Session {
     results[side] = { job, report, mesh };
     if (before) void this.geometry.forget(before.mesh.handle);
     const colour = this.state.colour === 'difference' ? 'none' : this.state.colour;
-    this.change({ results, difference: undefined, work: undefined, colour, look: { ...this.state.look, points: false } });
+    this.change({ results, difference: undefined, pointed: undefined, work: undefined, colour, look: { ...this.state.look, points: false } });
     this.setLinks();
     await this.complete();
   }

@@ -34,6 +34,8 @@ export interface Work {
   fraction?: number | undefined;
   detail: string;
   job?: Job | undefined;
+  /** Stages that the job has been in, the present one last. */
+  phases?: string[];
 }
 
 export type Side = 0 | 1;
@@ -45,6 +47,8 @@ export interface State {
   cloud?: ChosenCloud | undefined;
   results: [Result | undefined, Result | undefined];
   difference?: Difference | undefined;
+  /** Sides of the triangle of the first mesh that was asked for last. */
+  pointed?: Float32Array | undefined;
   work?: Work | undefined;
   error?: ApiError | undefined;
   /** Said politely; nothing is wrong. */

@@ -13,6 +13,8 @@ export class UnreadableCloud extends Error {}
 /** Coordinates that float32 does not hold exactly are taken from the middle of their box. */
 export function toCloudData(xyz: Float64Array | Float32Array, format: string): CloudData {
   if (xyz.length === 0) throw new UnreadableCloud('the file holds no points');
+  const bad = xyz.findIndex((value) => !Number.isFinite(value));
+  if (bad >= 0) throw new UnreadableCloud(`a coordinate of point ${Math.floor(bad / 3)} is not a finite number`);
   if (xyz instanceof Float32Array || xyz.every((value) => Math.fround(value) === value)) {
     return { positions: xyz instanceof Float32Array ? xyz : Float32Array.from(xyz), origin: [0, 0, 0], format };
   }

@@ -20,20 +20,21 @@ export function readText(bytes: Uint8Array): Float64Array {
   const lines = new TextDecoder('utf-8').decode(bytes).replace(/^\uFEFF/, '').split(/\r?\n/);
   const values: number[] = [];
   let columns = [0, 1, 2];
-  let refused = 0;
-  for (const line of lines) {
-    if (kComment.test(line)) continue;
+  let header = false;
+  lines.forEach((line, at) => {
+    if (kComment.test(line)) return;
     const words = splitLine(line);
-    const point = columns.map((column) => Number(words[column]));
-    if (words.length >= 3 && point.every(Number.isFinite)) {
+    const point = columns.map((column) => Number(words[column] || NaN));
+    if (point.every(Number.isFinite)) {
       values.push(...point);
-      continue;
+      return;
     }
-    // Only names of columns and a count may stand before the points.
-    if (values.length > 0 || (words.length > 1 && !columnsOf(words))) refused += 1;
+    // PTS gives the count of the points that follow.
+    if (words.length === 1 && /^\d+$/.test(words[0])) return;
+    if (header || values.length > 0) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
+    header = true;
     columns = columnsOf(words) ?? columns;
-    if (refused > 0) break;
-  }
+  });
   if (values.length === 0) throw new UnreadableCloud('the text holds no lines of three numbers');
   return Float64Array.from(values);
 }

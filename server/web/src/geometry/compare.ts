@@ -14,16 +14,32 @@ export function treeOf(mesh: MeshData): MeshBVH {
   return new MeshBVH(geometry);
 }
 
-/** Distance of each vertex to the surface of the other mesh. */
-export function distancesToSurface(tree: MeshBVH, positions: Float32Array, shift: Shift): Float32Array {
-  const distances = new Float32Array(positions.length / 3);
+/** From here on a triangle is judged by its middle alone. */
+const kMany = 300_000;
+
+/**
+ * The largest of the distances at the corners, the middles of the edges and the middle of each triangle. Corners alone would
+ * not do: two meshes through the same points have them all in common.
+ */
+export function distancesOfTriangles({ positions: p, index }: MeshData, shift: Shift, distance: (x: number, y: number, z: number) => number): Float32Array {
+  const triangles = index.length / 3;
+  const values = new Float32Array(triangles);
+  const weights = triangles > kMany ? [[1 / 3, 1 / 3, 1 / 3]] : [[1 / 3, 1 / 3, 1 / 3], [0.5, 0.5, 0], [0, 0.5, 0.5], [0.5, 0, 0.5], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
+  for (let t = 0; t < triangles; t += 1) {
+    const [u, v, w] = [3 * index[3 * t], 3 * index[3 * t + 1], 3 * index[3 * t + 2]];
+    for (const [a, b, c] of weights) {
+      const at = (k: number) => a * p[u + k] + b * p[v + k] + c * p[w + k] + shift[k];
+      values[t] = Math.max(values[t], distance(at(0), at(1), at(2)));
+    }
+  }
+  return values;
+}
+
+/** Distance of a place to the surface. */
+export function toSurface(tree: MeshBVH): (x: number, y: number, z: number) => number {
   const point = new Vector3();
   const hit: HitPointInfo = { point: new Vector3(), distance: 0, faceIndex: 0 };
-  for (let v = 0; v < distances.length; v += 1) {
-    point.set(positions[3 * v] + shift[0], positions[3 * v + 1] + shift[1], positions[3 * v + 2] + shift[2]);
-    distances[v] = tree.closestPointToPoint(point, hit)?.distance ?? 0;
-  }
-  return distances;
+  return (x, y, z) => tree.closestPointToPoint(point.set(x, y, z), hit)?.distance ?? 0;
 }
 
 /** True if a ray from the point passes the closed surface an odd number of times. */

@@ -11,14 +11,17 @@ import { fill, h } from './dom';
 import { histogram, type Bound } from './histogram';
 
 const kWorst = 8;
+/** What Gong et al. prove for the coarsest sampling that their theorem takes, 1/(8κ); docs/methods/intrinsic-delaunay.md. */
+const kPaper = { shortest_edge_to_circumradius: 0.4997, inradius_to_longest_edge: 0.0208 };
 const kFiles = ['glb', 'gltf', 'ply', 'obj', 'stl', '3mf', 'drc'];
 
 const section = (title: string, open: boolean, ...children: (HTMLElement | false | undefined)[]): HTMLElement =>
   h('details', { class: 'section', open }, h('summary', {}, h('h3', {}, title)), ...children);
 
 function boundsOf(result: Result, ratio: 'shortest_edge_to_circumradius' | 'inradius_to_longest_edge'): Bound[] {
-  const bounds = result.report.certificate?.bounds[ratio];
-  return bounds ? [{ value: bounds.lower, name: 'theorem: above' }] : [];
+  const certified = result.report.certificate?.bounds[ratio].lower ?? 0;
+  const paper: Bound = { value: kPaper[ratio], name: 'paper' };
+  return certified > 0 && Math.abs(certified - paper.value) > 0.02 * paper.value ? [paper, { value: certified, name: 'here' }] : [paper];
 }
 
 function histograms(first: Result, second: Result | undefined): HTMLElement {
@@ -34,11 +37,17 @@ function corners(result: Result, triangle: number): [number, number, number][] {
   return [0, 1, 2].map((k) => Array.from(positions.subarray(3 * index[3 * triangle + k], 3 * index[3 * triangle + k] + 3)) as [number, number, number]);
 }
 
-function worst(result: Result, stage: Stage | undefined): HTMLElement {
+function flyTo(session: Session, result: Result, triangle: number, stage: Stage): void {
+  const [a, b, c] = corners(result, triangle);
+  session.change({ pointed: Float32Array.from([a, b, b, c, c, a].flat()) }, 'view');
+  stage.flyTo([a, b, c]);
+}
+
+function worst(session: Session, result: Result, stage: Stage | undefined): HTMLElement {
   const rows = worstOf(result.mesh.shapes.lR, kWorst).map((triangle) => {
     const { lR, rL, angle } = result.mesh.shapes;
     const text = `l/R ${real(lR[triangle])} · r/L ${real(rL[triangle])} · ${real(angle[triangle])}°`;
-    return h('li', {}, h('button', { type: 'button', class: 'link number', onclick: () => stage?.flyTo(corners(result, triangle)) }, `#${count(triangle)}`), h('span', { class: 'number' }, text));
+    return h('li', {}, h('button', { type: 'button', class: 'link number', onclick: () => stage && flyTo(session, result, triangle, stage) }, `#${count(triangle)}`), h('span', { class: 'number' }, text));
   });
   return section('Worst triangles', false, h('p', { class: 'hint' }, 'A click flies there.'), h('ol', { class: 'worst' }, ...rows));
 }
@@ -110,7 +119,7 @@ export function mountResultPanel(host: HTMLElement, session: Session, stage: Sta
     }
     fill(host, ...(second ? [comparisonTable(state, first, second, () => session.closeSecond()), section('First in words', true, words(first)), section('Second in words', true, words(second))]
       : [headline(state, first), words(first)]),
-      histograms(first, second), worst(first, stage), files(session, first), again(session, first));
+      histograms(first, second), worst(session, first, stage), files(session, first), again(session, first));
   });
   fill(host, ...empty());
 }

@@ -26,13 +26,13 @@ function clipControls(session: Session, stage: Stage): HTMLElement {
   const set = (part: Partial<State['clip']>): void => {
     const rebuilt = (part.axis ?? clip.axis) !== clip.axis && (part.axis === 'none' || clip.axis === 'none');
     Object.assign(clip, part);
-    slider.disabled = flip.disabled = clip.axis === 'none';
+    slider.hidden = flip.hidden = clip.axis === 'none';
     if (rebuilt) session.change({}, 'view');
     else stage.setClip(clip);
   };
   const axis = h('select', { 'aria-label': 'Clipping plane', id: 'clip' }, ...['none', 'x', 'y', 'z'].map((name) => h('option', { value: name, selected: name === clip.axis }, name === 'none' ? 'Not cut' : `Cut ${name}`)));
-  const slider = h('input', { type: 'range', min: 0, max: 1, step: 0.002, value: String(clip.place), disabled: clip.axis === 'none', 'aria-label': 'Place of the cut', id: 'clip-place' });
-  const flip = h('button', { type: 'button', class: 'toggle', disabled: clip.axis === 'none', title: 'The other side' }, '⇄', h('span', { class: 'visually-hidden' }, 'Show the other side of the cut'));
+  const slider = h('input', { type: 'range', min: 0, max: 1, step: 0.002, value: String(clip.place), hidden: clip.axis === 'none', 'aria-label': 'Place of the cut', id: 'clip-place' });
+  const flip = h('button', { type: 'button', class: 'toggle', hidden: clip.axis === 'none', title: 'The other side' }, '⇄', h('span', { class: 'visually-hidden' }, 'Show the other side of the cut'));
   axis.addEventListener('change', () => set({ axis: axis.value as State['clip']['axis'] }));
   slider.addEventListener('input', () => set({ place: Number(slider.value) }));
   flip.addEventListener('click', () => set({ flip: !clip.flip }));

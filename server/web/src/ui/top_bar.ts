@@ -13,7 +13,10 @@ function keyDialog(session: Session): HTMLDialogElement {
     h('div', { class: 'field' }, h('label', { for: 'key' }, 'Key'), input),
     h('div', { class: 'row' }, h('button', { type: 'button', class: 'button primary', onclick: use }, 'Use'), h('button', { type: 'button', class: 'button', onclick: () => dialog.close() }, 'Close')));
   input.addEventListener('keydown', (event) => {
-    if (event.key === 'Enter') use();
+    if (event.key !== 'Enter') return;
+    // Or it presses the button that gets the focus back.
+    event.preventDefault();
+    use();
   });
   return dialog;
 }

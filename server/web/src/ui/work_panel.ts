@@ -8,11 +8,16 @@ const titles: Record<Work['what'], string> = {
   upload: 'Uploading the cloud', submit: 'Queueing the job', queue: 'Waiting in the queue', run: 'Reconstructing', load: 'Loading the mesh',
 };
 
+function phaseList({ phases = [] }: Work): HTMLElement | null {
+  if (phases.length < 2) return null;
+  return h('p', { class: 'hint phases' }, ...phases.slice(0, -1).map((phase) => h('span', {}, `${phase} ✓`)));
+}
+
 function workCard(session: Session, work: Work): HTMLElement {
   const known = work.fraction !== undefined;
   const bar = h('progress', { max: 1, 'aria-label': titles[work.what], ...(known ? { value: work.fraction } : {}) });
   const percent = known ? `${Math.round(100 * (work.fraction ?? 0))} %` : '';
-  return h('div', { class: 'card work', 'data-what': work.what }, h('div', { class: 'between' }, h('strong', {}, titles[work.what]), h('span', { class: 'number' }, percent)), bar,
+  return h('div', { class: 'card work', 'data-what': work.what }, h('div', { class: 'between' }, h('strong', {}, titles[work.what]), h('span', { class: 'number' }, percent)), bar, phaseList(work),
     h('div', { class: 'between' }, h('span', { class: 'hint' }, work.detail),
       h('button', { type: 'button', class: 'button small', id: 'cancel', onclick: () => void session.cancel() }, 'Cancel')));
 }

@@ -1,5 +1,5 @@
 // The objects of one pane: a cloud, a mesh over it, and what is marked on them.
-import { BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Points, type Object3D, type Plane } from 'three';
+import { BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Points, type LineBasicMaterial, type Object3D, type Plane } from 'three';
 import type { LoadedCloud, LoadedMesh, UnusedPoints } from '../worker/protocol';
 import { coloursOf, type ScaleName } from './colormap';
 import { lineMaterial, pointsMaterial, surfaceMaterial, type Palette } from './materials';
@@ -12,15 +12,18 @@ export interface Look {
   marks: boolean;
 }
 
-/** Values to colour the surface by, one a triangle or one a vertex. */
+/** Values to colour the surface by, one a triangle. */
 export interface Colouring {
   values: Float32Array;
-  per: 'triangle' | 'vertex';
   upper: number;
   scale: ScaleName;
 }
 
 export interface Content {
+  /** Corners of triangles that are pointed at, in the frame of the mesh. */
+  pointed?: Float32Array | undefined;
+  /** Nothing of its inside can be seen. */
+  solid?: boolean;
   cloud?: LoadedCloud | undefined;
   mesh?: LoadedMesh | undefined;
   wireframe?: Uint32Array | undefined;
@@ -103,7 +106,7 @@ export class Layers {
     const { colouring } = content;
     if (look.surface) {
       const surface = new Mesh(this.surfaceGeometry(mesh, positions, colouring, look.smooth),
-        surfaceMaterial(palette, look.smooth && colouring?.per !== 'triangle', colouring !== undefined, planes));
+        surfaceMaterial(palette, look.smooth && !colouring, colouring !== undefined, content.solid === true, planes));
       this.place(surface, mesh.origin, origin);
       this.fine = [surface];
     }
@@ -113,11 +116,14 @@ export class Layers {
       this.fine.push(lines);
     }
     if (mesh.coarse && look.surface) {
-      const geometry = geometryOf(positions, mesh.coarse);
-      if (colouring?.per === 'vertex') geometry.setAttribute('color', this.vertexColours(colouring));
-      this.coarse = new Mesh(geometry, surfaceMaterial(palette, false, colouring?.per === 'vertex', planes));
+      this.coarse = new Mesh(geometryOf(positions, mesh.coarse), surfaceMaterial(palette, false, false, false, planes));
       this.coarse.visible = false;
       this.place(this.coarse, mesh.origin, origin);
+    }
+    if (content.pointed) {
+      const outline = new LineSegments(geometryOf(attribute(content.pointed)), lineMaterial(palette.mark, 1, []));
+      (outline.material as LineBasicMaterial).depthTest = false;
+      this.place(outline, mesh.origin, origin, 4);
     }
     if (!look.marks) return;
     for (const [edges, color] of [[mesh.edges.boundary, palette.boundary], [mesh.edges.nonManifold, palette.nonManifold]] as const) {
@@ -125,14 +131,9 @@ export class Layers {
     }
   }
 
-  private vertexColours({ values, upper, scale }: Colouring): BufferAttribute {
-    return new BufferAttribute(coloursOf(values, upper, scale), 3, true);
-  }
-
   private surfaceGeometry(mesh: LoadedMesh, positions: BufferAttribute, colouring: Colouring | undefined, smooth: boolean): BufferGeometry {
-    if (colouring?.per === 'triangle') return separated(mesh, coloursOf(colouring.values, colouring.upper, colouring.scale));
+    if (colouring) return separated(mesh, coloursOf(colouring.values, colouring.upper, colouring.scale));
     const geometry = geometryOf(positions, mesh.index);
-    if (colouring) geometry.setAttribute('color', this.vertexColours(colouring));
     if (smooth) geometry.computeVertexNormals();
     return geometry;
   }

@@ -1,5 +1,5 @@
 // How surfaces, points and lines look.
-import { Color, DoubleSide, LineBasicMaterial, MeshLambertMaterial, PointsMaterial, type ColorRepresentation, type Plane } from 'three';
+import { Color, DoubleSide, FrontSide, LineBasicMaterial, MeshLambertMaterial, PointsMaterial, type ColorRepresentation, type Plane } from 'three';
 
 export interface Palette {
   background: ColorRepresentation;
@@ -22,9 +22,9 @@ export const palettes: Record<'light' | 'dark', Palette> = {
 };
 
 /** The inside of the surface has a colour of its own, so that holes and faces turned over show. */
-export function surfaceMaterial(palette: Palette, smooth: boolean, coloured: boolean, planes: Plane[]): MeshLambertMaterial {
+export function surfaceMaterial(palette: Palette, smooth: boolean, coloured: boolean, solid: boolean, planes: Plane[]): MeshLambertMaterial {
   const material = new MeshLambertMaterial({
-    color: coloured ? '#ffffff' : palette.surface, vertexColors: coloured, flatShading: !smooth, side: DoubleSide,
+    color: coloured ? '#ffffff' : palette.surface, vertexColors: coloured, flatShading: !smooth, side: solid ? FrontSide : DoubleSide,
     clippingPlanes: planes, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
   });
   const inside = new Color(palette.inside);

@@ -2,7 +2,7 @@
 import type { CloudData } from '../clouds/cloud_data';
 import { openGlb, readPrimitive } from '../clouds/gltf';
 import { readCloud } from '../clouds/read_cloud';
-import { distancesToSurface, encloses, shiftBetween, treeOf } from '../geometry/compare';
+import { distancesOfTriangles, encloses, shiftBetween, toSurface, treeOf } from '../geometry/compare';
 import { edgesOf } from '../geometry/edges';
 import type { MeshData } from '../geometry/mesh_data';
 import { diagonalOf, distancesTo, NearestPoints } from '../geometry/nearest';
@@ -11,8 +11,8 @@ import { simplified } from '../geometry/simplify';
 import type { Answer, GeometryCalls, Question } from './protocol';
 
 /** From here on a coarse stand-in is drawn while the camera moves. */
-const kLarge = 60_000;
-const kCoarse = 40_000;
+const kLarge = 50_000;
+const kCoarse = 30_000;
 /** A vertex is the point it was made of up to what rounding its origin takes: this part of the cloud's diagonal. */
 const kRounding = 2 ** -20;
 
@@ -52,7 +52,8 @@ const calls: GeometryCalls = {
   wireframe: (mesh) => Promise.resolve(edgesOf(held(meshes, mesh)).all),
   distances(mesh, cloud) {
     const [m, c] = [held(meshes, mesh), held(clouds, cloud)];
-    return Promise.resolve(distancesTo(new NearestPoints(c.positions), m.positions, shiftBetween(m.origin, c.origin)));
+    const points = new NearestPoints(c.positions);
+    return Promise.resolve(distancesOfTriangles(m, shiftBetween(m.origin, c.origin), (x, y, z) => points.distance(x, y, z)));
   },
   unused(mesh, cloud, closed) {
     const [m, c] = [held(meshes, mesh), held(clouds, cloud)];
@@ -72,8 +73,8 @@ const calls: GeometryCalls = {
   difference(first, second) {
     const [a, b] = [held(meshes, first), held(meshes, second)];
     return Promise.resolve({
-      first: distancesToSurface(treeOf(b), a.positions, shiftBetween(a.origin, b.origin)),
-      second: distancesToSurface(treeOf(a), b.positions, shiftBetween(b.origin, a.origin)),
+      first: distancesOfTriangles(a, shiftBetween(a.origin, b.origin), toSurface(treeOf(b))),
+      second: distancesOfTriangles(b, shiftBetween(b.origin, a.origin), toSurface(treeOf(a))),
     });
   },
   forget(handle) {

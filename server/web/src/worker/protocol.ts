@@ -20,7 +20,7 @@ export interface UnusedPoints {
   interior: Float32Array;
 }
 export interface Difference {
-  /** By vertex of the first mesh, then of the second, to the surface of the other one. */
+  /** By triangle of the first mesh, then of the second, to the surface of the other one. */
   first: Float32Array;
   second: Float32Array;
 }
@@ -29,7 +29,7 @@ export interface GeometryCalls {
   loadCloud(bytes: ArrayBuffer): Promise<LoadedCloud>;
   loadMesh(glb: ArrayBuffer): Promise<LoadedMesh>;
   wireframe(mesh: number): Promise<Uint32Array>;
-  /** By vertex, to the nearest point of the cloud. */
+  /** By triangle, to the nearest point of the cloud. */
   distances(mesh: number, cloud: number): Promise<Float32Array>;
   unused(mesh: number, cloud: number, closed: boolean): Promise<UnusedPoints>;
   difference(first: number, second: number): Promise<Difference>;

@@ -1,0 +1,57 @@
+// What the page shows of a file before the server has it, against what the server says of the same bytes.
+import assert from 'node:assert/strict';
+import { readFileSync, readdirSync } from 'node:fs';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { dropFile, facts, openPage, source, startBrowser, startServer } from './support.mjs';
+
+let server;
+let browser;
+let page;
+before(async () => {
+  [server, browser] = await Promise.all([startServer(), startBrowser()]);
+  page = await openPage(browser, server.base);
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+/** Some of the clouds that the fuzz tests start from: every format, and of PLY and text every kind. */
+const seeds = ['ply', 'text', 'pcd', 'las', 'obj', 'stl', 'gltf', 'draco'].flatMap((format) => {
+  const folder = path.join(source, 'tests/fuzz/seeds', format);
+  const names = readdirSync(folder).filter((name) => format !== 'draco' || /cloud_(kd|sequential)_bits11_speed5\.drc|mesh_edgebreaker_bits11_speed0\.drc/.test(name));
+  return names.map((name) => ({ format, name, bytes: readFileSync(path.join(folder, name)) }));
+});
+
+async function serverSays(bytes) {
+  const post = await fetch(`${server.base}/v1/clouds`, { method: 'POST', body: bytes, headers: { 'content-type': 'application/octet-stream' } });
+  let cloud = await post.json();
+  for (let i = 0; i < 100 && cloud.status === 'inspecting'; i += 1) {
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    cloud = await (await fetch(`${server.base}/v1/clouds/${cloud.id}`)).json();
+  }
+  return cloud;
+}
+
+test('the page counts and measures the points of every format as the server does', async () => {
+  assert.ok(seeds.length > 25, `${seeds.length}`);
+  for (const { format, name, bytes } of seeds) {
+    const cloud = await serverSays(bytes);
+    await dropFile(page, `${format}-${name}`, bytes);
+    await page.waitForFunction(() => document.querySelectorAll('.facts dd').length === 4 || document.querySelector('#setup .panel:first-child .note'));
+    const shown = await facts(page);
+    if (cloud.status === 'refused') {
+      assert.equal(shown.length, 1, `${format}/${name}: the server refuses it (${cloud.error.code}), the page shows ${shown}`);
+      continue;
+    }
+    assert.equal(shown.length, 4, `${format}/${name}: ${await page.textContent('#setup .panel:first-child')}`);
+    assert.equal(shown[2].replaceAll(',', ''), String(cloud.points), `${format}/${name}`);
+    const extent = shown[3].split(' × ').map(Number);
+    cloud.bounds.max.forEach((high, axis) => {
+      const size = high - cloud.bounds.min[axis];
+      assert.ok(Math.abs(extent[axis] - size) <= 2e-3 * size + 1e-12, `${format}/${name}: ${shown[3]} against ${JSON.stringify(cloud.bounds)}`);
+    });
+  }
+  assert.deepEqual(page.complaints, []);
+});
