@@ -90,6 +90,8 @@ class SurfaceSearch {
   /// @param hint  `place` of a triangle that may be near: only the time depends on it.
   Closest closest(const Point3& query, std::size_t hint = 0) const;
   double distance_to(std::size_t place, const Point3& query) const;
+  /// The ends of the edge that two triangles have in common, by their coordinates; none if they have not exactly one.
+  std::optional<std::array<Point3, 2>> shared_edge(std::size_t place, std::size_t other) const;
 
  private:
   struct Impl;
@@ -104,8 +106,9 @@ struct SurfaceDistance {
 
 /// Branch and bound over pieces of the triangles, after "distances to a convex set are convex" (M. Tang, M. Lee, Y.
 /// Kim, "Interactive Hausdorff distance computation for general polygonal models", SIGGRAPH 2009).
-/// @return  bounds 2 % apart, or further if half a million cuts did not suffice; 0 and 0 without triangles.
-SurfaceDistance surface_distance(const TriangleMesh& from, const SurfaceSearch& to);
+/// @return  bounds 10 % apart, or further where 60 cuts a triangle did not suffice; 0 and 0 without triangles.
+/// @cost    about 4 us a cut; 50,000 triangles that lie across 270,000 take a million.
+SurfaceDistance surface_distance(const TriangleMesh& from, const SurfaceSearch& to, unsigned threads = 1);
 
 /// How thick the body is behind `samples` places spread evenly over the surface of a closed, oriented mesh: from
 /// there against the normal to the next wall. Ascending; fewer than asked for where a ray meets nothing.

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <queue>
 
+#include "base/parallel.hpp"
 #include "quality/quality.hpp"
 
 namespace surfaced {
@@ -64,6 +66,19 @@ double SurfaceSearch::distance_to(std::size_t place, const Point3& query) const 
   return std::sqrt(CGAL::squared_distance(point(query), impl_->triangles[place]));
 }
 
+std::optional<std::array<Point3, 2>> SurfaceSearch::shared_edge(std::size_t place, std::size_t other) const {
+  std::array<Point3, 2> ends;
+  std::size_t found = 0;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      if (impl_->triangles[place].vertex(i) != impl_->triangles[other].vertex(k)) continue;
+      if (found < 2) ends.at(found) = point(impl_->triangles[place].vertex(i));
+      ++found;
+    }
+  }
+  return found == 2 ? std::optional(ends) : std::nullopt;
+}
+
 namespace {
 
 /// A piece of a triangle, and a bound on how far its points are from the surface.
@@ -87,6 +102,30 @@ double farthest_corner(const SurfaceSearch& search, const Piece& piece, std::siz
   return farthest;
 }
 
+double between(const Point3& a, const Point3& b, const std::array<Point3, 2>& edge) {
+  return std::sqrt(
+      CGAL::squared_distance(Kernel::Segment_3(point(a), point(b)), Kernel::Segment_3(point(edge[0]), point(edge[1]))));
+}
+
+/// For a piece that lies over two triangles A and B with a common edge, corner k over A, the others over B: cut where
+/// the two sides from k come closest to the edge, its parts map linearly into A and into B, and no point moves farther
+/// than the corners and the cuts do. Infinite for other pieces.
+double over_an_edge(const SurfaceSearch& search, const Piece& piece, double greatest) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t next = (k + 1) % 3;
+    const std::size_t last = (k + 2) % 3;
+    if (piece.closest[next].place != piece.closest[last].place || piece.closest[k].place == piece.closest[next].place) {
+      continue;
+    }
+    const auto edge = search.shared_edge(piece.closest[k].place, piece.closest[next].place);
+    if (!edge) return kNone;
+    return std::max({greatest, between(piece.corners[k], piece.corners[next], *edge),
+                     between(piece.corners[k], piece.corners[last], *edge)});
+  }
+  return kNone;
+}
+
 /// Bounds the piece, not more tightly than to `enough`. No point of it is farther from all corners than its longest
 /// edge over √3.
 void bound(const SurfaceSearch& search, Piece& piece, double enough) {
@@ -98,6 +137,7 @@ void bound(const SurfaceSearch& search, Piece& piece, double enough) {
     if (piece.upper <= enough) return;
     piece.upper = std::min(piece.upper, farthest_corner(search, piece, each.place));
   }
+  piece.upper = std::min(piece.upper, over_an_edge(search, piece, greatest));
   if (piece.upper <= enough) return;
   const std::size_t central = search.closest(middle(middle(a, b), c), piece.closest[0].place).place;
   piece.upper = std::min(piece.upper, farthest_corner(search, piece, central));
@@ -139,39 +179,73 @@ std::vector<SurfaceSearch::Closest> closest_of_vertices(const TriangleMesh& from
   return closest;
 }
 
+/// Branch and bound over some of the triangles, beginning with what is known of all.
+class Bounding {
+ public:
+  Bounding(const TriangleMesh& from, const SurfaceSearch& to, const std::vector<SurfaceSearch::Closest>& closest,
+           SurfaceDistance known, double least)
+      : from_(from), to_(to), closest_(closest), distance_(known), least_(least) {}
+
+  SurfaceDistance run(std::size_t first, std::size_t last) {
+    for (std::size_t t = first; t < last; ++t) {
+      const auto& [a, b, c] = from_.triangles[t];
+      keep({{from_.positions[a], from_.positions[b], from_.positions[c]}, {closest_[a], closest_[b], closest_[c]}});
+    }
+    const std::size_t most_cuts = kMostCutsPerTriangle * (last - first);
+    for (std::size_t cuts = 0; !pieces_.empty() && cuts < most_cuts; ++cuts) {
+      const Piece worst = pieces_.top();
+      if (worst.upper <= enough()) break;
+      pieces_.pop();
+      for (const Piece& part : quarters(to_, worst, distance_.lower)) keep(part);
+    }
+    if (!pieces_.empty()) distance_.upper = std::max(distance_.upper, pieces_.top().upper);
+    return distance_;
+  }
+
+ private:
+  static constexpr double kTolerance = 0.1;
+  static constexpr std::size_t kMostCutsPerTriangle = 60;
+
+  double enough() const { return std::max((1 + kTolerance) * distance_.lower, least_); }
+
+  void keep(Piece piece) {
+    bound(to_, piece, enough());
+    if (piece.upper <= enough()) {
+      distance_.upper = std::max(distance_.upper, piece.upper);
+    } else {
+      pieces_.push(piece);
+    }
+  }
+
+  const TriangleMesh& from_;
+  const SurfaceSearch& to_;
+  const std::vector<SurfaceSearch::Closest>& closest_;
+  SurfaceDistance distance_;
+  /// What rounding leaves of distances that are 0.
+  double least_;
+  std::priority_queue<Piece> pieces_;
+};
+
 }  // namespace
 
-SurfaceDistance surface_distance(const TriangleMesh& from, const SurfaceSearch& to) {
-  constexpr double kTolerance = 0.02;
-  constexpr std::size_t kMostCuts = 500'000;
+SurfaceDistance surface_distance(const TriangleMesh& from, const SurfaceSearch& to, unsigned threads) {
+  // Blocks do not learn from each other, so the result does not depend on the number of threads.
+  constexpr std::size_t kBlock = 2048;
   if (from.triangles.empty() || to.empty()) return {};
   SurfaceDistance distance;
   const std::vector<SurfaceSearch::Closest> closest = closest_of_vertices(from, to, distance.lower);
-  std::priority_queue<Piece> pieces;
-  // What rounding leaves of distances that are 0.
   double size = 0;
   for (const Point3& p : from.positions) size = std::max({size, std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
-  const double least = 1e-12 * size;
-  const auto enough = [&] { return std::max((1 + kTolerance) * distance.lower, least); };
-  const auto keep = [&](Piece piece) {
-    bound(to, piece, enough());
-    if (piece.upper <= enough()) {
-      distance.upper = std::max(distance.upper, piece.upper);
-    } else {
-      pieces.push(piece);
-    }
-  };
-  for (const Triangle& t : from.triangles) {
-    keep({{from.positions[t[0]], from.positions[t[1]], from.positions[t[2]]},
-          {closest[t[0]], closest[t[1]], closest[t[2]]}});
+  const SurfaceDistance known{distance.lower, distance.lower};
+  std::vector<SurfaceDistance> of_block((from.triangles.size() + kBlock - 1) / kBlock);
+  parallel_tasks(threads, of_block.size(), [&](std::size_t block) {
+    const std::size_t last = std::min((block + 1) * kBlock, from.triangles.size());
+    of_block[block] = Bounding(from, to, closest, known, 1e-12 * size).run(block * kBlock, last);
+  });
+  for (const SurfaceDistance& each : of_block) {
+    distance.lower = std::max(distance.lower, each.lower);
+    distance.upper = std::max(distance.upper, each.upper);
   }
-  for (std::size_t cuts = 0; !pieces.empty() && cuts < kMostCuts; ++cuts) {
-    const Piece worst = pieces.top();
-    if (worst.upper <= enough()) break;
-    pieces.pop();
-    for (const Piece& part : quarters(to, worst, distance.lower)) keep(part);
-  }
-  if (!pieces.empty()) distance.upper = std::max(distance.upper, pieces.top().upper);
   return distance;
 }
 

@@ -118,8 +118,8 @@ class Simplifier {
     if (!search_.empty()) carry_attributes(collapsed, mesh_, search_);
     if (context_.cancelled()) throw simplification::Cancelled{};
     const SurfaceSearch simplified(collapsed.mesh);
-    const double there = surface_distance(collapsed.mesh, search_).upper;
-    const double back = surface_distance(mesh_, simplified).upper;
+    const double there = surface_distance(collapsed.mesh, search_, context_.threads()).upper;
+    const double back = surface_distance(mesh_, simplified, context_.threads()).upper;
     return {.mesh = std::move(collapsed.mesh), .distance = std::max(there, back)};
   }
 

@@ -11,8 +11,8 @@ namespace surfaced {
 /// A mesh with fewer triangles.
 struct Simplified {
   TriangleMesh mesh;
-  /// No point of either surface is farther than this from the other (two-sided Hausdorff distance, from above, at
-  /// most 2 % too large); in units of the input.
+  /// No point of either surface is farther than this from the other (two-sided Hausdorff distance, from above, as a
+  /// rule at most 10 % too large); in units of the input.
   double distance = 0;
 };
 

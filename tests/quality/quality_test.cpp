@@ -151,10 +151,10 @@ TriangleMesh square(double side, double z) {
 TEST(SurfaceDistance, is_known_between_squares) {
   const SurfaceDistance parallel = surface_distance(square(2, 0.25), SurfaceSearch(square(2, 0)));
   EXPECT_DOUBLE_EQ(parallel.lower, 0.25);
-  EXPECT_DOUBLE_EQ(parallel.upper, 0.25);
+  EXPECT_NEAR(parallel.upper, 0.25, 0.025);
   const SurfaceDistance beyond = surface_distance(square(3, 0), SurfaceSearch(square(1, 0)));
   EXPECT_DOUBLE_EQ(beyond.lower, 2 * std::sqrt(2.0));
-  EXPECT_LE(beyond.upper, 1.02 * beyond.lower);
+  EXPECT_LE(beyond.upper, 1.1 * beyond.lower);
   EXPECT_LT(surface_distance(square(1, 0), SurfaceSearch(square(3, 0))).upper, 1e-12) << "one-sided";
 }
 
@@ -171,7 +171,21 @@ TEST(SurfaceDistance, finds_the_middle_of_a_triangle_that_spans_a_valley) {
   const double exact = 2 / std::sqrt(5.0);  // of (0, 0, 1) from both slopes
   EXPECT_LE(distance.lower, exact + 1e-12);
   EXPECT_GE(distance.upper, exact - 1e-12);
-  EXPECT_LE(distance.upper, 1.021 * exact);
+  EXPECT_LE(distance.upper, 1.101 * exact);
+}
+
+TEST(SurfaceDistance, is_the_same_for_any_number_of_threads_and_bounds_what_is_known) {
+  const TriangleMesh coarse = testing::torus_mesh(60, 40);
+  const TriangleMesh fine = testing::torus_mesh(120, 80);
+  for (const auto& [from, to] : {std::pair{&coarse, &fine}, std::pair{&fine, &coarse}}) {
+    const SurfaceSearch search(*to);
+    const SurfaceDistance one = surface_distance(*from, search);
+    const SurfaceDistance four = surface_distance(*from, search, 4);
+    EXPECT_EQ(one.lower, four.lower);
+    EXPECT_EQ(one.upper, four.upper);
+    EXPECT_LE(one.upper, 1.1 * one.lower);
+    EXPECT_GT(one.lower, 1e-3) << "the chord of 1/60 of a circle of radius 1.3 sags by 0.0018";
+  }
 }
 
 TEST(SurfaceDistance, of_a_mesh_to_itself_is_nothing) {
