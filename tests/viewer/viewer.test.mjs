@@ -19,6 +19,7 @@ const words = (page) => page.$$eval('.words li', (items) => items.map((item) => 
 test('a dropped cloud is seen at once, and becomes a closed mesh with two more clicks at most', async () => {
   const page = await openPage(browser, server.base);
   await dropFile(page, 'sphere.ply', ply(spherePoints(2000)));
+  await page.waitForFunction(() => document.querySelectorAll('.facts dd').length === 4);
   assert.deepEqual((await facts(page)).slice(1, 3), ['PLY', '2,000']);
   const dots = await silhouette(page);
   assert.ok(dots.share > 0.01 && Math.abs(dots.width / dots.height - 1) < 0.03, JSON.stringify(dots));
@@ -51,7 +52,7 @@ test('two methods stand side by side, their difference is measured, and the link
   await page.waitForSelector('.comparison', { timeout: 60000 });
   const heads = await page.$$eval('.comparison thead th', (cells) => cells.map((cell) => cell.textContent));
   assert.equal(heads.length, 2);
-  assert.equal((await facts(page))[2], '6,000', 'this device has kept the points');
+  await page.waitForFunction(() => document.querySelectorAll('.facts dd')[2]?.textContent === '6,000', undefined, { timeout: 5000 });
   await page.click('#close-second');
   await page.waitForSelector('.headline');
   assert.deepEqual(page.complaints, []);
