@@ -1,6 +1,8 @@
 // Methods taken from CGAL: for comparison, and for clouds that the papers' methods do not suit.
 #pragma once
 
+#include <optional>
+
 #include "base/base.hpp"
 #include "cloud/cloud.hpp"
 #include "mesh/mesh.hpp"
@@ -23,5 +25,51 @@ struct AdvancingFrontParameters {
 /// @cost    one Delaunay triangulation and about as much again, 1.7 kB per point.
 Result<TriangleMesh> advancing_front(const PointCloud& cloud, const AdvancingFrontParameters& parameters,
                                      Context& context);
+
+/// Scale-space meshing (Digne et al. 2011): smooths the points step by step, meshes the smooth ones, and carries the
+/// triangles back to the points they came from.
+struct ScaleSpaceParameters {
+  /// Steps of smoothing. 0 is the advancing front alone.
+  std::size_t iterations = 4;
+  /// Points that the neighbourhood of a step has on average, at least 3.
+  std::size_t neighbours = 12;
+};
+
+/// @return  as advancing_front.
+/// @cost    per step two searches of all points within a ball that holds `neighbours` of them on average, so much more
+///          where points crowd; then an advancing front.
+Result<TriangleMesh> scale_space(const PointCloud& cloud, const ScaleSpaceParameters& parameters, Context& context);
+
+/// Poisson reconstruction (Kazhdan et al. 2006; on a Delaunay triangulation as CGAL has it). All lengths in spacings.
+struct PoissonParameters {
+  /// Triangles further than this from all points are dropped; none keeps the whole closed surface.
+  std::optional<double> trim = 6;
+  /// Largest radius of the balls around the triangles.
+  double facet_radius = 2;
+  /// Largest distance of a triangle's circumcentre from the surface.
+  double facet_distance = 0.25;
+  /// Nearest neighbours that normals are estimated from, where the cloud has none.
+  std::size_t normal_neighbours = 18;
+};
+
+/// @return  a mesh with vertices of its own, which carry the normals and colours of the nearest point; it faces
+///          outwards. too_few_points (4 needed), coplanar, cancelled, out_of_memory, method_failed.
+/// @cost    a refined Delaunay triangulation of some 6 vertices a point, a sparse linear system on it, and a second
+///          Delaunay triangulation of the surface.
+Result<TriangleMesh> poisson(const PointCloud& cloud, const PoissonParameters& parameters, Context& context);
+
+/// Alpha wrapping (Portaneri et al. 2022): shrinks a box around the points until it holds them. All lengths in
+/// spacings.
+struct AlphaWrapParameters {
+  /// Openings smaller than this stay closed; triangles have about this size.
+  double alpha = 4;
+  /// Distance from the wrap to the points.
+  double offset = 0.5;
+};
+
+/// @return  a closed mesh with vertices of its own, which carry the normals and colours of the nearest point; it faces
+///          outwards. too_few_points (3 needed), cancelled, out_of_memory, method_failed.
+/// @cost    a Delaunay triangulation of the wrap's vertices, some queries of the points for each.
+Result<TriangleMesh> alpha_wrap(const PointCloud& cloud, const AlphaWrapParameters& parameters, Context& context);
 
 }  // namespace surfaced

@@ -1,4 +1,5 @@
-// Stages before a method: outliers, sampling. Each takes a cloud and gives a cloud.
+// Stages before a method: outliers, sampling, normals. Each takes a cloud and gives a cloud. And what methods ask of
+// any cloud: its spacing, a frame for computing, nearest points.
 #pragma once
 
 #include <optional>
@@ -13,11 +14,44 @@ namespace surfaced {
 /// @cost  O(V log V).
 double spacing_of(const std::vector<Point3>& positions, unsigned threads);
 
+/// Where code computes that has absolute thresholds, or that may not lose digits to a far-off origin: the least corner
+/// of the points is the origin, and a power of two brings the longest side of their box to [512, 1024).
+class LocalFrame {
+ public:
+  explicit LocalFrame(const std::vector<Point3>& positions);
+
+  Point3 to_local(const Point3& p) const;
+  double to_local(double length) const;
+  Point3 to_input(const Point3& local) const;
+
+ private:
+  Point3 origin_;
+  int exponent_;
+};
+
+/// For every place the nearest of the points, and how far it is.
+struct Nearest {
+  std::vector<VertexIndex> index;
+  std::vector<double> distance;
+};
+/// @param positions  at least one. Of points equally near it is always the same one.
+/// @cost  O((V + places) log V).
+Nearest nearest_points(const std::vector<Point3>& positions, const std::vector<Point3>& places, unsigned threads);
+
 /// Removes the points whose mean distance to their 12 nearest exceeds `factor` times the median of it.
 Result<PointCloud> without_outliers(const PointCloud& cloud, double factor, Context& context);
 
 /// Keeps one input point in every cell of a grid, the nearest to the cell's centre; `cell` is the side of a cell, in
 /// units of the input, or without it twice the spacing.
 Result<PointCloud> sampled(const PointCloud& cloud, std::optional<double> cell, Context& context);
+
+/// How normals are estimated: from the plane, or from the quadric, that fits the neighbours best.
+enum class NormalFit : std::uint8_t { plane, jet };
+
+/// Gives every point a normal fitted to its nearest neighbours, turned to agree with that of its neighbours; in each
+/// connected part of the cloud the highest point (in z, then y, then x) faces up. So normals of a closed surface face
+/// outwards. Normals that the cloud has are replaced.
+/// @cost  O(V log V), sequential but for the orientation's search; 8 bytes per point and neighbour.
+Result<PointCloud> with_normals(const PointCloud& cloud, NormalFit fit, std::size_t neighbours, Context& context);
 
 }  // namespace surfaced

@@ -10,10 +10,7 @@ Result<Reconstruction> run_advancing_front(const PointCloud& cloud, const Json& 
       cloud, {.radius_ratio_bound = parameters.at("radius_ratio_bound"), .beta = parameters.at("beta")}, context);
   if (!mesh) return std::move(mesh).error();
   Reconstruction result{.mesh = std::move(*mesh), .warnings = {}, .statistics = nullptr};
-  if (const Json& holes = parameters.at("fill_holes"); holes != "none") {
-    const auto which = holes == "all" ? FillParameters::Holes::all : FillParameters::Holes::small;
-    if (Status filled = run_hole_stage(result, {.holes = which}, context); !filled) return std::move(filled).error();
-  }
+  if (Status filled = run_hole_parameter(result, parameters, context); !filled) return std::move(filled).error();
   return result;
 }
 

@@ -74,4 +74,11 @@ Status run_hole_stage(Reconstruction& result, const FillParameters& parameters, 
   return Done{};
 }
 
+Status run_hole_parameter(Reconstruction& result, const Json& parameters, Context& context) {
+  const Json& holes = parameters.at("fill_holes");
+  if (holes == "none") return Done{};
+  const auto which = holes == "all" ? FillParameters::Holes::all : FillParameters::Holes::small;
+  return run_hole_stage(result, {.holes = which}, context);
+}
+
 }  // namespace surfaced

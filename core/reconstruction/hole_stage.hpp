@@ -16,4 +16,7 @@ Rotation rotation_of(const Json& parameters);
 /// `hole_filling` what was done and what stays.
 Status run_hole_stage(Reconstruction& result, const FillParameters& parameters, Context& context);
 
+/// The same as the parameter `fill_holes` says: all, small or none.
+Status run_hole_parameter(Reconstruction& result, const Json& parameters, Context& context);
+
 }  // namespace surfaced

@@ -33,8 +33,9 @@ Json common_properties() {
 }
 
 const std::vector<Method>& table() {
-  static const std::vector<Method> methods{minimum_boundary_method(), local_delaunay_method(),
-                                           intrinsic_delaunay_method(), advancing_front_method()};
+  static const std::vector<Method> methods{
+      minimum_boundary_method(), local_delaunay_method(), intrinsic_delaunay_method(), advancing_front_method(),
+      scale_space_method(),      poisson_method(),        alpha_wrap_method()};
   return methods;
 }
 

@@ -5,8 +5,8 @@
 
 namespace surfaced {
 
-/// A method's face and its engine. The engine's mesh has vertex v = point v of the cloud, then
-/// invented vertices if the method makes any.
+/// A method's face and its engine. The mesh of an engine that interpolates has vertex v = point v of the cloud, then
+/// invented vertices if the method makes any; that of another has vertices of its own.
 struct Method {
   MethodInfo info;
   /// Whether all vertices are input points, so that points inside the mesh can be told from its vertices.
@@ -23,6 +23,9 @@ Method minimum_boundary_method();
 Method local_delaunay_method();
 Method intrinsic_delaunay_method();
 Method advancing_front_method();
+Method scale_space_method();
+Method poisson_method();
+Method alpha_wrap_method();
 
 /// A method's schema: its own properties and those that every method has.
 Json schema_of(Json properties);

@@ -1,0 +1,34 @@
+// Private to the room: the surface of CGAL's Poisson_reconstruction_function, in a frame of the caller's.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "base/base.hpp"
+#include "mesh/mesh.hpp"
+
+namespace surfaced::baselines {
+
+struct OrientedPoints {
+  std::vector<Point3> positions;
+  /// Of length 1.
+  std::vector<Point3> normals;
+};
+
+struct SurfaceOptions {
+  /// Length to which the other two lengths of Poisson reconstruction relate.
+  double spacing = 0;
+  /// Largest radius of the balls around facets, and largest distance from a facet's centre to the surface.
+  double facet_radius = 0;
+  double facet_distance = 0;
+  /// Vertices at which the meshing gives up.
+  std::size_t most_vertices = 0;
+};
+
+/// The zero set as triangles that face outwards.
+/// @param seeds  points near which the meshing begins: each part of the surface needs one.
+/// @throws Cancelled, std::exception.
+TriangleMesh poisson_surface(const OrientedPoints& points, const std::vector<std::size_t>& seeds,
+                             const SurfaceOptions& options, Context& context);
+
+}  // namespace surfaced::baselines

@@ -1,0 +1,71 @@
+// Private to the room: how algorithms of CGAL are stopped that offer no callback.
+#pragma once
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include "base/base.hpp"
+
+namespace surfaced::baselines {
+
+/// Thrown through CGAL's code, which has no other way out.
+struct Cancelled {};
+
+/// Throws Cancelled once the caller wants to stop.
+inline void stop_if_cancelled(const Context& context) {
+  if (context.cancelled()) throw Cancelled{};
+}
+
+/// While it lives, ticks on its thread look now and then at the caller's wish to stop.
+class Watch {
+ public:
+  explicit Watch(const Context& context) : context_(context), outer_(current()) { current() = this; }
+  ~Watch() { current() = outer_; }
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
+
+  static void tick() {
+    constexpr std::uint32_t kTicksBetweenChecks = 4096;
+    Watch* const watch = current();
+    if (watch != nullptr && ++watch->ticks_ % kTicksBetweenChecks == 0) check();
+  }
+  /// A tick that looks at once.
+  static void check() {
+    if (current() != nullptr) stop_if_cancelled(current()->context_);
+  }
+
+ private:
+  static Watch*& current() {
+    thread_local Watch* watch = nullptr;
+    return watch;
+  }
+
+  const Context& context_;
+  Watch* outer_;
+  std::uint32_t ticks_ = 0;
+};
+
+using ExactKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+
+/// CGAL's kernel, ticking in the predicate that Delaunay triangulations spend their time around and in the access to
+/// coordinates that kd-trees do.
+struct WatchedKernel : ExactKernel {
+  struct Side_of_oriented_sphere_3 : ExactKernel::Side_of_oriented_sphere_3 {
+    template <class... Points>
+    auto operator()(const Points&... points) const {
+      Watch::tick();
+      return ExactKernel::Side_of_oriented_sphere_3::operator()(points...);
+    }
+  };
+  Side_of_oriented_sphere_3 side_of_oriented_sphere_3_object() const { return {}; }
+
+  struct Construct_cartesian_const_iterator_3 : ExactKernel::Construct_cartesian_const_iterator_3 {
+    template <class... Arguments>
+    auto operator()(const Arguments&... arguments) const {
+      Watch::tick();
+      return ExactKernel::Construct_cartesian_const_iterator_3::operator()(arguments...);
+    }
+  };
+  Construct_cartesian_const_iterator_3 construct_cartesian_const_iterator_3_object() const { return {}; }
+};
+
+}  // namespace surfaced::baselines
