@@ -3,7 +3,11 @@
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/alpha_wrap_3.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "baselines/method.hpp"
 #include "preparing/preparing.hpp"
@@ -16,7 +20,7 @@ using SurfaceMesh = CGAL::Surface_mesh<ExactKernel::Point_3>;
 
 /// More vertices than any sensible wrap has; what stands between a tiny alpha and the machine's memory.
 std::size_t most_vertices(std::size_t points) {
-  constexpr std::size_t kAlways = 200'000;
+  constexpr std::size_t kAlways = 20'000;
   constexpr std::size_t kPerPoint = 30;
   return kAlways + kPerPoint * points;
 }
@@ -68,35 +72,75 @@ TriangleMesh flat_mesh(const SurfaceMesh& wrap, const LocalFrame& frame) {
   return mesh;
 }
 
-Result<TriangleMesh> wrap(const PointCloud& cloud, const AlphaWrapParameters& parameters, Context& context) {
-  context.enter("alpha-wrap", 1);
-  const LocalFrame frame(cloud.positions);
-  const double spacing = frame.to_local(spacing_of(cloud.positions, context.threads()));
-  std::vector<ExactKernel::Point_3> points;
-  points.reserve(cloud.size());
-  for (const Point3& p : cloud.positions) {
-    const Point3 local = frame.to_local(p);
-    points.emplace_back(local[0], local[1], local[2]);
+/// Wraps the same points at any alpha.
+class Wrapper {
+ public:
+  Wrapper(const PointCloud& cloud, Context& context)
+      : frame_(cloud.positions),
+        spacing_(std::max(kLeastSpacing, frame_.to_local(spacing_of(cloud.positions, context.threads())))),
+        context_(context) {
+    points_.reserve(cloud.size());
+    for (const Point3& p : cloud.positions) {
+      const Point3 local = frame_.to_local(p);
+      points_.emplace_back(local[0], local[1], local[2]);
+    }
   }
-  Visitor visitor{.context = &context, .expected = cloud.size(), .limit = most_vertices(cloud.size())};
-  SurfaceMesh surface;
-  CGAL::alpha_wrap_3(points, parameters.alpha * spacing, parameters.offset * spacing, surface,
-                     CGAL::parameters::default_values(), CGAL::parameters::visitor(visitor));
-  TriangleMesh mesh = flat_mesh(surface, frame);
-  orient_outwards(mesh);
-  baselines::sort_mesh(mesh);
-  baselines::carry_attributes(cloud, mesh, context.threads());
-  return mesh;
+
+  AlphaWrapResult wrap(double alpha, double offset) {
+    Visitor visitor{.context = &context_, .expected = points_.size(), .limit = most_vertices(points_.size())};
+    SurfaceMesh surface;
+    CGAL::alpha_wrap_3(points_, alpha * spacing_, offset * spacing_, surface, CGAL::parameters::default_values(),
+                       CGAL::parameters::visitor(visitor));
+    return {.mesh = flat_mesh(surface, frame_), .alpha = alpha, .offset = offset};
+  }
+
+ private:
+  /// In the local frame, a millionth of the box: with less the offset is lost in the digits of a double.
+  static constexpr double kLeastSpacing = 0x1p-10;
+
+  LocalFrame frame_;
+  double spacing_;
+  std::vector<ExactKernel::Point_3> points_;
+  Context& context_;
+};
+
+/// Finer and finer, as long as the wrap does not leak inside.
+AlphaWrapResult finest(Wrapper& wrapper, const std::optional<double>& offset) {
+  constexpr std::array kAlphas{12.0, 6.0, 3.0};
+  constexpr double kLeaks = 0.5;
+  AlphaWrapResult best;
+  double volume = 0;
+  for (const double alpha : kAlphas) {
+    AlphaWrapResult next = wrapper.wrap(alpha, offset.value_or(alpha / AlphaWrapParameters::kAlphaPerOffset));
+    const double next_volume = std::abs(signed_volume(next.mesh));
+    if (next_volume < kLeaks * volume) break;
+    volume = next_volume;
+    best = std::move(next);
+  }
+  return best;
+}
+
+AlphaWrapResult wrapped(const PointCloud& cloud, const AlphaWrapParameters& parameters, Context& context) {
+  context.enter("alpha-wrap", 1);
+  Wrapper wrapper(cloud, context);
+  const auto& [alpha, offset] = parameters;
+  AlphaWrapResult result = alpha ? wrapper.wrap(*alpha, offset.value_or(*alpha / AlphaWrapParameters::kAlphaPerOffset))
+                                 : finest(wrapper, offset);
+  orient_outwards(result.mesh);
+  baselines::sort_mesh(result.mesh);
+  baselines::carry_attributes(cloud, result.mesh, context.threads());
+  return result;
 }
 
 }  // namespace
 
-Result<TriangleMesh> alpha_wrap(const PointCloud& cloud, const AlphaWrapParameters& parameters, Context& context) {
+Result<AlphaWrapResult> alpha_wrap(const PointCloud& cloud, const AlphaWrapParameters& parameters, Context& context) {
   constexpr std::size_t kFewestPoints = 3;
   if (Status enough = baselines::check_points(cloud, kFewestPoints, "an alpha wrap"); !enough) {
     return std::move(enough).error();
   }
-  return baselines::guarded("alpha wrap", cloud, context, [&] { return wrap(cloud, parameters, context); });
+  return baselines::guarded("alpha wrap", cloud, context,
+                            [&]() -> Result<AlphaWrapResult> { return wrapped(cloud, parameters, context); });
 }
 
 }  // namespace surfaced

@@ -61,15 +61,24 @@ Result<TriangleMesh> poisson(const PointCloud& cloud, const PoissonParameters& p
 /// Alpha wrapping (Portaneri et al. 2022): shrinks a box around the points until it holds them. All lengths in
 /// spacings.
 struct AlphaWrapParameters {
-  /// Openings smaller than this stay closed; triangles have about this size.
-  double alpha = 4;
-  /// Distance from the wrap to the points.
-  double offset = 0.5;
+  static constexpr double kAlphaPerOffset = 6;
+  /// Openings smaller than this stay closed; triangles have about this size. None: the least of 12, 6 and 3 whose wrap
+  /// does not leak, which a wrap of less than half the volume of the one before is taken to do.
+  std::optional<double> alpha;
+  /// Distance from the wrap to the points; none: alpha / kAlphaPerOffset.
+  std::optional<double> offset;
+};
+
+struct AlphaWrapResult {
+  TriangleMesh mesh;
+  /// As used, in spacings.
+  double alpha = 0;
+  double offset = 0;
 };
 
 /// @return  a closed mesh with vertices of its own, which carry the normals and colours of the nearest point; it faces
 ///          outwards. too_few_points (3 needed), cancelled, out_of_memory, method_failed.
 /// @cost    a Delaunay triangulation of the wrap's vertices, some queries of the points for each.
-Result<TriangleMesh> alpha_wrap(const PointCloud& cloud, const AlphaWrapParameters& parameters, Context& context);
+Result<AlphaWrapResult> alpha_wrap(const PointCloud& cloud, const AlphaWrapParameters& parameters, Context& context);
 
 }  // namespace surfaced

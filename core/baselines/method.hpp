@@ -13,7 +13,7 @@ namespace surfaced::baselines {
 
 /// Runs a method and turns what CGAL throws into errors.
 template <class Work>
-Result<TriangleMesh> guarded(const char* method, const PointCloud& cloud, const Context& context, Work work) {
+auto guarded(const char* method, const PointCloud& cloud, const Context& context, Work work) -> decltype(work()) {
   try {
     const Watch watch(context);
     return work();

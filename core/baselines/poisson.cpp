@@ -58,8 +58,8 @@ void trim(const PointCloud& cloud, double reach, TriangleMesh& mesh, unsigned th
 }
 
 Result<TriangleMesh> reconstruct(const PointCloud& cloud, const PoissonParameters& parameters, Context& context) {
-  constexpr std::size_t kVerticesPerPoint = 20;
-  constexpr std::size_t kVerticesAlways = 100'000;
+  constexpr std::size_t kVerticesPerPoint = 10;
+  constexpr std::size_t kVerticesAlways = 5'000;
   const double spacing = spacing_of(cloud.positions, context.threads());
   const Result<std::vector<std::size_t>> seeds = seeds_of(cloud, spacing, context);
   if (!seeds) return seeds.error();
@@ -86,7 +86,7 @@ Result<TriangleMesh> poisson(const PointCloud& cloud, const PoissonParameters& p
   if (Status enough = baselines::check_points(cloud, kFewestPoints, "Poisson reconstruction"); !enough) {
     return std::move(enough).error();
   }
-  return baselines::guarded("Poisson reconstruction", cloud, context, [&]() -> Result<TriangleMesh> {
+  const auto run = [&]() -> Result<TriangleMesh> {
     if (!cloud.normals.empty()) return reconstruct(cloud, parameters, context);
     context.enter("normals", 0.2);
     Result<PointCloud> with = with_normals(cloud, NormalFit::jet, parameters.normal_neighbours, context);
@@ -94,7 +94,13 @@ Result<TriangleMesh> poisson(const PointCloud& cloud, const PoissonParameters& p
     Result<TriangleMesh> mesh = reconstruct(*with, parameters, context);
     if (mesh) mesh->normals.clear();
     return mesh;
-  });
+  };
+  try {
+    return baselines::guarded("Poisson reconstruction", cloud, context, run);
+  } catch (const baselines::Flat&) {
+    return Error{ErrorCode::coplanar, "the " + std::to_string(cloud.size()) +
+                                          " distinct points, or those drawn to begin with, lie in one plane"};
+  }
 }
 
 }  // namespace surfaced

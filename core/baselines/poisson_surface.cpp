@@ -11,6 +11,7 @@
 #include <CGAL/property_map.h>
 
 #include <Eigen/IterativeLinearSolvers>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <unordered_map>
@@ -22,10 +23,86 @@
 namespace surfaced::baselines {
 namespace {
 
+using Poisson = CGAL::Poisson_reconstruction_function<WatchedKernel>;
+using PoissonCell = Poisson::Triangulation::Cell_handle;
+using PoissonCellQuality = CGAL::Poisson_mesh_cell_criteria_3<Poisson::Triangulation>::Cell_quality;
+
+}  // namespace
+}  // namespace surfaced::baselines
+
+/// The queue of cells to refine. CGAL's own, a boost::bimap, puts a cell among others of the same quality by the
+/// address of the cell; here the one that came first goes first.
+template <>
+class CGAL::Double_map<surfaced::baselines::PoissonCell, surfaced::baselines::PoissonCellQuality> {
+  using Cell = surfaced::baselines::PoissonCell;
+  using Quality = surfaced::baselines::PoissonCellQuality;
+  using ByQuality = std::multimap<Quality, Cell>;
+
+ public:
+  using size_type = std::size_t;
+  bool empty() const { return by_quality_.empty(); }
+  size_type size() const { return by_quality_.size(); }
+  ByQuality::iterator front() { return by_quality_.begin(); }
+  bool insert(const Cell& cell, const Quality& quality) {
+    if (by_cell_.count(cell) != 0) return false;
+    by_cell_.emplace(cell, by_quality_.emplace(quality, cell));
+    return true;
+  }
+  bool erase(const Cell& cell) {
+    const auto found = by_cell_.find(cell);
+    if (found == by_cell_.end()) return false;
+    by_quality_.erase(found->second);
+    by_cell_.erase(found);
+    return true;
+  }
+  void pop_front() { erase(Cell(front()->second)); }
+
+ private:
+  ByQuality by_quality_;
+  std::unordered_map<Cell, ByQuality::iterator> by_cell_;
+};
+
+namespace surfaced::baselines {
+namespace {
+
 using Point = WatchedKernel::Point_3;
 using PointVector = std::pair<Point, WatchedKernel::Vector_3>;
-using Poisson = CGAL::Poisson_reconstruction_function<WatchedKernel>;
-using Tessellation = CGAL::Surface_mesher::Surface_mesh_default_triangulation_3_generator<ExactKernel>::Type;
+
+/// A vertex or cell that knows when it was made: handles then compare by that and not by address. The mesher keeps bad
+/// edges and vertices in sets of handles and takes the least first.
+template <class Base>
+class Stamped : public Base {
+ public:
+  using Base::Base;
+  using Has_timestamp = CGAL::Tag_true;
+  std::size_t time_stamp() const { return stamp_; }
+  void set_time_stamp(std::size_t stamp) { stamp_ = stamp; }
+  template <class Structure>
+  struct Rebind_TDS {
+    using Other = Stamped<typename Base::template Rebind_TDS<Structure>::Other>;
+  };
+
+ private:
+  std::size_t stamp_ = static_cast<std::size_t>(-1);
+};
+
+using Traits = CGAL::Robust_circumcenter_traits_3<ExactKernel>;
+using TessellationVertex = Stamped<CGAL::Surface_mesh_vertex_base_3<Traits>>;
+using TessellationCell =
+    Stamped<CGAL::Delaunay_triangulation_cell_base_with_circumcenter_3<Traits, CGAL::Surface_mesh_cell_base_3<Traits>>>;
+using Delaunay =
+    CGAL::Delaunay_triangulation_3<Traits, CGAL::Triangulation_data_structure_3<TessellationVertex, TessellationCell>>;
+
+/// A Delaunay triangulation whose duals are never points: the mesher knows what to do with a degenerate segment, but
+/// ends with an error where two circumcentres coincide.
+struct Tessellation : Delaunay {
+  using Delaunay::dual;
+  CGAL::Object dual(const Facet& facet) const {
+    CGAL::Object object = Delaunay::dual(facet);
+    const auto* const p = CGAL::object_cast<Traits::Point_3>(&object);
+    return p == nullptr ? object : CGAL::make_object(Traits::Segment_3(*p, *p));
+  }
+};
 using Complex = CGAL::Surface_mesh_complex_2_in_triangulation_3<Tessellation>;
 
 /// Jacobi's preconditioner, at which the iterations can be stopped.
@@ -80,6 +157,7 @@ Poisson solved(const OrientedPoints& points, Context& context) {
   const Insertions insertions{&context, &done, input.size()};
   Poisson function(input.begin(), input.end(), CGAL::First_of_pair_property_map<PointVector>(),
                    CGAL::Second_of_pair_property_map<PointVector>(), insertions);
+  if (function.tr().dimension() < 3) throw Flat{};
   if (!function.compute_implicit_function(Solver(), insertions)) {
     throw std::runtime_error("its linear system could not be solved");
   }
@@ -144,7 +222,7 @@ TriangleMesh triangles_of(const Complex& complex, const WatchedFunction& functio
     Triangle t{numbered(cell->vertex(Tessellation::vertex_triple_index(i, 0))),
                numbered(cell->vertex(Tessellation::vertex_triple_index(i, 1))),
                numbered(cell->vertex(Tessellation::vertex_triple_index(i, 2)))};
-    if (function(tessellation.dual(cell)) >= 0) std::swap(t[1], t[2]);
+    if (function(tessellation.dual(cell)) < 0) std::swap(t[1], t[2]);
     mesh.triangles.push_back(t);
   }
   return mesh;

@@ -25,9 +25,12 @@ struct SurfaceOptions {
   std::size_t most_vertices = 0;
 };
 
+/// Thrown for points, or a random half thousand of them, in one plane.
+struct Flat {};
+
 /// The zero set as triangles that face outwards.
 /// @param seeds  points near which the meshing begins: each part of the surface needs one.
-/// @throws Cancelled, std::exception.
+/// @throws Cancelled, Flat, std::exception.
 TriangleMesh poisson_surface(const OrientedPoints& points, const std::vector<std::size_t>& seeds,
                              const SurfaceOptions& options, Context& context);
 

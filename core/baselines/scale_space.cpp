@@ -83,7 +83,8 @@ Result<TriangleMesh> scale_space(const PointCloud& cloud, const ScaleSpaceParame
   if (Status enough = baselines::check_points(cloud, kFewestPoints, "scale space"); !enough) {
     return std::move(enough).error();
   }
-  return baselines::guarded("scale space", cloud, context, [&] { return reconstruct(cloud, parameters, context); });
+  return baselines::guarded("scale space", cloud, context,
+                            [&]() -> Result<TriangleMesh> { return reconstruct(cloud, parameters, context); });
 }
 
 }  // namespace surfaced

@@ -1,35 +1,41 @@
+#include <optional>
+
 #include "baselines/baselines.hpp"
 #include "reconstruction/methods.hpp"
 
 namespace surfaced {
 namespace {
 
+std::optional<double> number_or_auto(const Json& value) {
+  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
 Result<Reconstruction> run_alpha_wrap(const PointCloud& cloud, const Json& parameters, Context& context) {
-  Result<TriangleMesh> mesh =
-      alpha_wrap(cloud, {.alpha = parameters.at("alpha"), .offset = parameters.at("offset")}, context);
-  if (!mesh) return std::move(mesh).error();
-  return Reconstruction{.mesh = std::move(*mesh), .warnings = {}, .statistics = nullptr};
+  Result<AlphaWrapResult> result = alpha_wrap(
+      cloud, {.alpha = number_or_auto(parameters.at("alpha")), .offset = number_or_auto(parameters.at("offset"))},
+      context);
+  if (!result) return std::move(result).error();
+  return Reconstruction{.mesh = std::move(result->mesh),
+                        .warnings = {},
+                        .statistics = Json{{"alpha", result->alpha}, {"offset", result->offset}}};
+}
+
+Json spacings(double minimum, const char* title, const char* text) {
+  return {{"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"minimum", minimum}, {"maximum", 1e6}}}},
+          {"default", "auto"},
+          {"title", title},
+          {"description", text},
+          {"x-unit", "point spacings"}};
 }
 
 Json parameter_properties() {
-  return Json{{"alpha",
-               {{"type", "number"},
-                {"minimum", 0.5},
-                {"maximum", 1e6},
-                {"default", 4},
-                {"title", "Size of the openings that stay closed"},
-                {"description",
-                 "Larger wraps more coarsely and closes wider gaps; below the widest gap between points the wrap "
-                 "leaks inside."},
-                {"x-unit", "point spacings"}}},
-              {"offset",
-               {{"type", "number"},
-                {"minimum", 0.02},
-                {"maximum", 1e6},
-                {"default", 0.5},
-                {"title", "Distance of the wrap from the points"},
-                {"description", "Larger is smoother and further outside; smaller takes more triangles and time."},
-                {"x-unit", "point spacings"}}}};
+  return Json{{"alpha", spacings(0.5, "Size of the openings that stay closed",
+                                 "Larger wraps more coarsely and closes wider gaps; where it is below the widest gap "
+                                 "between points the wrap leaks inside. auto is the least of 12, 6 and 3 that does not "
+                                 "lose half of its volume.")},
+              {"offset", spacings(0.02, "Distance of the wrap from the points",
+                                  "Larger is smoother and further outside; smaller takes more triangles and time. auto "
+                                  "is a sixth of alpha.")}};
 }
 
 }  // namespace

@@ -1,0 +1,228 @@
+// scale-space, poisson and alpha-wrap: what holds for every result.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <random>
+
+#include "baselines/baselines.hpp"
+#include "support/nasty_clouds.hpp"
+#include "support/shapes.hpp"
+
+namespace surfaced {
+namespace {
+
+Result<TriangleMesh> wrapped(const PointCloud& cloud, Context& context) {
+  Result<AlphaWrapResult> result = alpha_wrap(cloud, {}, context);
+  if (!result) return std::move(result).error();
+  return std::move(result->mesh);
+}
+Result<TriangleMesh> by_poisson(const PointCloud& cloud, Context& context) { return poisson(cloud, {}, context); }
+Result<TriangleMesh> by_scale_space(const PointCloud& cloud, Context& context) {
+  return scale_space(cloud, {}, context);
+}
+
+using Way = Result<TriangleMesh> (*)(const PointCloud&, Context&);
+struct Named {
+  const char* name;
+  Way make;
+};
+constexpr std::array kMethods{Named{"alpha-wrap", wrapped}, Named{"poisson", by_poisson},
+                              Named{"scale-space", by_scale_space}};
+
+PointCloud cloud_of(std::vector<Point3> points) { return *make_cloud(testing::raw_cloud(std::move(points))); }
+
+double distance_to_torus(const Point3& p) { return std::abs(std::hypot(std::hypot(p[0], p[1]) - 1, p[2]) - 0.3); }
+
+/// Red above, blue below; normals of the unit sphere.
+RawCloud painted_sphere(std::size_t n) {
+  RawCloud raw = testing::raw_cloud(testing::sphere_points(n));
+  for (const Point3& p : raw.positions) {
+    raw.normals.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+    raw.colors.push_back(p[2] > 0 ? Color4{255, 0, 0, 255} : Color4{0, 0, 255, 255});
+  }
+  return raw;
+}
+
+TEST(CgalSurfaces, close_around_a_torus_with_its_genus) {
+  const PointCloud cloud = cloud_of(testing::torus_points(96, 32));
+  for (const auto& [name, make] : kMethods) {
+    Context context;
+    const auto mesh = make(cloud, context);
+    ASSERT_TRUE(mesh) << name << ": " << mesh.error().detail;
+    const Topology topology = topology_of(*mesh);
+    EXPECT_TRUE(topology.closed && topology.edge_manifold && topology.vertex_manifold && topology.oriented) << name;
+    EXPECT_EQ(topology.components, 1U) << name;
+    EXPECT_EQ(topology.genus, 1) << name;
+    EXPECT_GT(signed_volume(*mesh), 1.5) << name << ": faces outwards";
+  }
+}
+
+TEST(CgalSurfaces, lie_within_half_a_spacing_of_the_truth_and_poisson_within_less_than_the_noise) {
+  constexpr double kNoise = 0.01;
+  const PointCloud cloud = cloud_of(testing::random_torus(6000, 5, kNoise));  // spacing 0.03
+  Context context;
+  const auto smooth = by_poisson(cloud, context);
+  ASSERT_TRUE(smooth) << smooth.error().detail;
+  double sum = 0;
+  for (const Point3& p : smooth->positions) sum += distance_to_torus(p);
+  EXPECT_LT(sum / static_cast<double>(smooth->positions.size()), 0.5 * kNoise);
+  const auto exact = by_scale_space(cloud, context);
+  ASSERT_TRUE(exact) << exact.error().detail;
+  EXPECT_EQ(exact->positions, cloud.positions);
+  EXPECT_GT(exact->triangles.size(), 11'000U);
+}
+
+TEST(CgalSurfaces, alpha_wrap_has_every_point_inside_at_its_offset) {
+  const PointCloud cloud = cloud_of(testing::sphere_points(2000));
+  Context context;
+  const auto result = alpha_wrap(cloud, {.alpha = 3, .offset = 1}, context);
+  ASSERT_TRUE(result) << result.error().detail;
+  EXPECT_EQ(result->alpha, 3);
+  for (const Point3& p : result->mesh.positions) {
+    EXPECT_GT(norm(p), 1);
+    EXPECT_LT(norm(p), 1.15);
+  }
+}
+
+TEST(CgalSurfaces, alpha_wrap_refines_only_as_far_as_it_does_not_leak) {
+  std::vector<Point3> dense = testing::sphere_points(4000);
+  Context context;
+  EXPECT_EQ(alpha_wrap(cloud_of(dense), {}, context)->alpha, 3);
+  std::erase_if(dense, [](const Point3& p) { return p[2] > 0.94; });  // about 14 spacings across
+  const auto holed = alpha_wrap(cloud_of(dense), {}, context);
+  ASSERT_TRUE(holed);
+  EXPECT_GT(holed->alpha, 3);
+  EXPECT_GT(signed_volume(holed->mesh), 3.5);
+}
+
+TEST(CgalSurfaces, carry_normals_and_colours_of_the_nearest_point) {
+  const PointCloud cloud = *make_cloud(painted_sphere(2000));
+  for (const auto& [name, make] : kMethods) {
+    Context context;
+    const auto mesh = make(cloud, context);
+    ASSERT_TRUE(mesh) << name;
+    ASSERT_EQ(mesh->colors.size(), mesh->positions.size()) << name;
+    ASSERT_EQ(mesh->normals.size(), mesh->positions.size()) << name;
+    for (std::size_t v = 0; v < mesh->positions.size(); ++v) {
+      const double z = mesh->positions[v][2];
+      if (std::abs(z) > 0.1) {
+        EXPECT_EQ(mesh->colors[v][0], z > 0 ? 255 : 0) << name;
+      }
+    }
+  }
+}
+
+TEST(CgalSurfaces, poisson_keeps_a_bowl_open_unless_told_otherwise) {
+  std::vector<Point3> bowl = testing::sphere_points(4000);
+  std::erase_if(bowl, [](const Point3& p) { return p[2] > 0; });
+  const PointCloud cloud = cloud_of(bowl);
+  Context context;
+  const auto open = poisson(cloud, {}, context);
+  const auto whole = poisson(cloud, {.trim = std::nullopt}, context);
+  ASSERT_TRUE(open && whole);
+  EXPECT_EQ(topology_of(*open).boundary_loops, 1U);
+  EXPECT_TRUE(topology_of(*open).vertex_manifold);
+  EXPECT_TRUE(topology_of(*whole).closed);
+}
+
+TEST(CgalSurfaces, poisson_finds_every_part) {
+  std::vector<Point3> points = testing::sphere_points(3000);
+  for (const Point3& p : testing::sphere_points(300, {9, 0, 0}, 0.3)) points.push_back(p);
+  for (const Point3& p : testing::sphere_points(300, {0, -9, 4}, 0.3)) points.push_back(p);
+  Context context;
+  const auto mesh = poisson(cloud_of(points), {}, context);
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  EXPECT_EQ(topology_of(*mesh).components, 3U);
+}
+
+TEST(CgalSurfaces, are_the_same_for_any_order_of_the_points_and_number_of_threads) {
+  std::vector<Point3> points = testing::random_torus(2500, 9, 0.01);
+  const PointCloud first = cloud_of(points);
+  std::ranges::shuffle(points, std::mt19937(4));
+  const PointCloud second = cloud_of(points);
+  for (const auto& [name, make] : kMethods) {
+    Context one(1);
+    Context three(3);
+    const auto a = make(first, one);
+    const auto b = make(second, three);
+    ASSERT_TRUE(a && b) << name;
+    EXPECT_EQ(a->positions, b->positions) << name;
+    EXPECT_EQ(a->triangles, b->triangles) << name;
+  }
+}
+
+TEST(CgalSurfaces, have_the_same_triangles_at_any_power_of_two_scale) {
+  const std::vector<Point3> points = testing::torus_points(40, 16);
+  for (const auto& [name, make] : kMethods) {
+    Context context;
+    const auto reference = make(cloud_of(points), context);
+    ASSERT_TRUE(reference) << name;
+    for (const int exponent : {-90, 90}) {
+      std::vector<Point3> scaled = points;
+      for (Point3& p : scaled) {
+        for (double& x : p) x = std::ldexp(x, exponent);
+      }
+      const auto mesh = make(cloud_of(scaled), context);
+      ASSERT_TRUE(mesh) << name << ": " << mesh.error().detail;
+      EXPECT_EQ(mesh->triangles, reference->triangles) << name << " scaled by 2^" << exponent;
+    }
+  }
+}
+
+TEST(CgalSurfaces, make_a_sound_mesh_of_nasty_clouds_or_say_why_not) {
+  for (std::uint64_t number = 0; number < 110; ++number) {
+    const testing::NastyCloud nasty = testing::NastyClouds::make(number);
+    const PointCloud cloud = cloud_of(nasty.points);
+    for (const auto& [name, make] : kMethods) {
+      Context context;
+      const auto mesh = make(cloud, context);
+      if (!mesh) {
+        EXPECT_FALSE(mesh.error().detail.empty());
+        EXPECT_NE(mesh.error().code, ErrorCode::internal_error);
+        EXPECT_NE(make, wrapped) << number << ": alpha-wrap takes anything, but: " << mesh.error().detail;
+        continue;
+      }
+      const Topology topology = topology_of(*mesh);
+      EXPECT_TRUE(topology.edge_manifold && topology.oriented) << name << " of " << nasty.kind << " " << number;
+      EXPECT_TRUE(make != wrapped || topology.closed) << nasty.kind << " " << number;
+      EXPECT_TRUE(make == by_scale_space || topology.vertex_manifold) << name << " of " << nasty.kind << " " << number;
+    }
+  }
+}
+
+TEST(CgalSurfaces, refuse_too_few_points_and_poisson_a_plane) {
+  std::vector<Point3> sheet;
+  for (const Point3& p : testing::random_points(700, 4)) sheet.push_back({p[0], p[1], 0});
+  Context context;
+  EXPECT_EQ(by_poisson(cloud_of(sheet), context).error().code, ErrorCode::coplanar);
+  for (const auto& [name, make] : kMethods) {
+    EXPECT_EQ(make(cloud_of({{0, 0, 0}, {1, 1, 1}}), context).error().code, ErrorCode::too_few_points) << name;
+  }
+  EXPECT_EQ(scale_space(cloud_of({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {5, 5, 5}}), {}, context).error().code,
+            ErrorCode::collinear);
+}
+
+TEST(CgalSurfaces, stop_within_a_second_of_being_cancelled_in_any_stage) {
+  const PointCloud cloud = cloud_of(testing::random_torus(20'000, 3, 0.002));
+  for (const auto& [name, make] : kMethods) {
+    for (const double when : {0.0, 0.15, 0.4, 0.7}) {
+      std::atomic<bool> cancel = false;
+      std::chrono::steady_clock::time_point since;
+      const auto sink = [&](double fraction, std::string_view) {
+        if (fraction < when || cancel) return;
+        since = std::chrono::steady_clock::now();
+        cancel = true;
+      };
+      Context context(1, sink, &cancel);
+      const auto mesh = make(cloud, context);
+      if (mesh) continue;  // was faster than its progress said
+      EXPECT_EQ(mesh.error().code, ErrorCode::cancelled) << name << ": " << mesh.error().detail;
+      EXPECT_LT(std::chrono::steady_clock::now() - since, std::chrono::seconds(1)) << name << " at " << when;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace surfaced
