@@ -31,12 +31,7 @@ Response get_events(const Request& request, JobService& service, JobLooks& looks
   auto stream = std::make_shared<EventStream>(service, look, id, position);
   auto feed = std::make_shared<http::Feed>();
   feed->interval = kLookAtLog;
-  feed->subscribe = [&service, id, look](std::function<void()> wake) {
-    return service.watch(id, [look, wake = std::move(wake)] {
-      look->outdated();
-      wake();
-    });
-  };
+  feed->subscribe = [&service, id](std::function<void()> wake) { return service.watch(id, std::move(wake)); };
   feed->next = [stream](bool last) { return stream->next(last); };
   response.feed = std::move(feed);
   return response;

@@ -11,7 +11,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLogPiece = std::size_t{32} << 10;
 /// What nobody says (a job that expires) is noticed after this time.
 constexpr std::chrono::seconds kLongestLook{1};
 constexpr std::string_view kDone = "done";
@@ -20,15 +19,32 @@ constexpr std::chrono::seconds kLongestSilence{10};
 
 }  // namespace
 
-Result<Job> JobLook::get() {
+JobLook::JobLook(JobService& service, std::string job) : service_(service), job_(std::move(job)) {
+  subscription_ = service_.watch(job_, [this] { fresh_ = false; });
+}
+
+std::shared_ptr<const Result<Job>> JobLook::get() {
   const std::scoped_lock lock(mutex_);
   const auto time = std::chrono::steady_clock::now();
   // Marked before the store is asked: a change meanwhile makes it outdated again.
   if (!fresh_.exchange(true) || !seen_ || time - when_ > kLongestLook) {
-    seen_.emplace(service_.find(job_));
+    seen_ = std::make_shared<const Result<Job>>(service_.find(job_));
     when_ = time;
+    log_.reset();
   }
-  return *seen_;
+  return seen_;
+}
+
+std::shared_ptr<const std::string> JobLook::log(const Job& job, std::uint64_t offset) {
+  const std::scoped_lock lock(mutex_);
+  if (log_ && log_attempt_ == job.attempt && log_offset_ == offset) return log_;
+  auto text = std::make_shared<std::string>(kLogPiece, '\0');
+  const auto count = service_.read_log(job, offset, std::as_writable_bytes(std::span(*text)));
+  text->resize(count ? *count : 0);
+  log_ = std::move(text);
+  log_attempt_ = job.attempt;
+  log_offset_ = offset;
+  return log_;
 }
 
 std::shared_ptr<JobLook> JobLooks::at(const std::string& job) {
@@ -86,14 +102,12 @@ void EventStream::add_progress(std::string& bytes, const Job& job) {
 
 bool EventStream::add_log(std::string& bytes, const Job& job) {
   if (job.attempt == 0) return true;
-  std::string text(kLogPiece, '\0');
-  const auto count = service_.read_log(job, position_.log, std::as_writable_bytes(std::span(text)));
-  if (!count) return true;
-  text.resize(*count);
-  const bool full = *count == kLogPiece;
+  const auto piece = look_->log(job, position_.log);
+  std::string_view text = *piece;
+  const bool full = text.size() == JobLook::kLogPiece;
   // A line that is not complete yet waits for its end; one that is longer than a piece is cut.
   const std::size_t end = text.rfind('\n');
-  if (!ended(job.status) || full) text.resize(end == text.npos ? (full ? text.size() : 0) : end + 1);
+  if (!ended(job.status) || full) text = text.substr(0, end == text.npos ? (full ? text.size() : 0) : end + 1);
   if (text.empty()) return true;
   position_.log += text.size();
   Json lines = Json::array();
@@ -108,7 +122,8 @@ bool EventStream::add_log(std::string& bytes, const Job& job) {
 
 http::Feed::Piece EventStream::next(bool /*last*/) {
   http::Feed::Piece piece;
-  const auto job = look_->get();
+  const auto seen = look_->get();
+  const Result<Job>& job = *seen;
   if (!job) {
     // Removed while somebody watched: the reason is all there is to say.
     position_.state = kDone;

@@ -28,22 +28,32 @@ std::string event_id(const EventPosition& position);
 /// None for what event_id never writes.
 std::optional<EventPosition> read_event_id(std::string_view text);
 
-/// One job as all its streams see it: looked up once a change, however many follow it.
+/// One job and its log as all their streams see them: looked up once a change, however many follow it.
 class JobLook {
  public:
-  JobLook(JobService& service, std::string job) : service_(service), job_(std::move(job)) {}
+  JobLook(JobService& service, std::string job);
 
-  Result<Job> get();
-  /// The job has changed: the next `get` looks again.
-  void outdated() { fresh_ = false; }
+  std::shared_ptr<const Result<Job>> get();
+  /// What the attempt's log has from the offset on, a bounded piece of it, as of the last `get` or later; empty if
+  /// there is nothing or the log is gone. Streams that stand at the same place share one reading.
+  std::shared_ptr<const std::string> log(const Job& job, std::uint64_t offset);
+  /// A piece of this length may have more behind it.
+  static constexpr std::size_t kLogPiece = std::size_t{32} << 10;
 
  private:
   JobService& service_;
   const std::string job_;
   std::atomic<bool> fresh_ = false;
   std::mutex mutex_;
-  std::optional<Result<Job>> seen_;
+  std::shared_ptr<const Result<Job>> seen_;
   std::chrono::steady_clock::time_point when_;
+  // Of the last reading; forgotten with the next look at the job.
+  std::shared_ptr<const std::string> log_;
+  std::uint32_t log_attempt_ = 0;
+  std::uint64_t log_offset_ = 0;
+  // One for all streams, made before theirs: if each of a thousand made the look outdated when it is woken, each would
+  // look again. Last, so that nobody is told who is half gone.
+  std::shared_ptr<void> subscription_;
 };
 
 /// The looks that streams share, by job.

@@ -61,19 +61,24 @@ void Lobby::start() {
 }
 
 void Lobby::enter(std::unique_ptr<Session> session) {
+  bool first = false;
   {
     const std::scoped_lock lock(mutex_);
+    first = arrivals_.empty() && rings_.empty();
     arrivals_.push_back(std::move(session));
   }
-  ::eventfd_write(bell_.get(), 1);
+  // Whoever put in something before has rung, and the mail is taken as a whole.
+  if (first) ::eventfd_write(bell_.get(), 1);
 }
 
 void Lobby::ring(std::uint64_t id) {
+  bool first = false;
   {
     const std::scoped_lock lock(mutex_);
+    first = arrivals_.empty() && rings_.empty();
     rings_.push_back(id);
   }
-  ::eventfd_write(bell_.get(), 1);
+  if (first) ::eventfd_write(bell_.get(), 1);
 }
 
 void Lobby::close() {

@@ -108,16 +108,26 @@ void Server::start() {
 void Server::add(std::unique_ptr<Session> session) {
   const std::scoped_lock lock(mutex_);
   if (ended_) return;
-  ready_.push_back(std::move(session));
+  auto& queue = session->feeds() ? feeds_ : ready_;
+  queue.push_back(std::move(session));
   work_.notify_one();
+}
+
+std::unique_ptr<Session> Server::take_ready() {
+  // Requests first, but feeds have one turn in four however many there are.
+  constexpr unsigned kTurns = 4;
+  const bool feed = ready_.empty() || (!feeds_.empty() && ++taken_ % kTurns == 0);
+  auto& queue = feed ? feeds_ : ready_;
+  std::unique_ptr<Session> session = std::move(queue.front());
+  queue.pop_front();
+  return session;
 }
 
 std::unique_ptr<Session> Server::next() {
   std::unique_lock lock(mutex_);
-  work_.wait(lock, [&] { return ended_ || !ready_.empty(); });
+  work_.wait(lock, [&] { return ended_ || !ready_.empty() || !feeds_.empty(); });
   if (ended_) return nullptr;
-  std::unique_ptr<Session> session = std::move(ready_.front());
-  ready_.pop_front();
+  std::unique_ptr<Session> session = take_ready();
   busy_.emplace(session->id(), session->descriptor());
   return session;
 }
@@ -162,6 +172,7 @@ void Server::stop(std::chrono::milliseconds grace) {
     while (lobby_.connections() > 0 && std::chrono::steady_clock::now() < deadline) idle_.wait_for(lock, kLook);
     ended_ = true;
     ready_.clear();
+    feeds_.clear();
     for (const auto& [id, descriptor] : busy_) ::shutdown(descriptor, SHUT_RDWR);
     work_.notify_all();
   }

@@ -80,6 +80,7 @@ class Server {
   Server(UniqueFd listener, const ServerLimits& limits, const Router& router, Observer observer, const Tls* tls);
   void pool_loop();
   std::unique_ptr<Session> next();
+  std::unique_ptr<Session> take_ready();
   void work_on(std::unique_ptr<Session> session);
   void add(std::unique_ptr<Session> session);
 
@@ -93,8 +94,11 @@ class Server {
   std::mutex mutex_;
   std::condition_variable work_;
   std::condition_variable idle_;
-  /// Bounded by the number of connections.
+  /// Both bounded by the number of connections. A crowd that follows one job is told of it all at once; requests do not
+  /// wait behind it.
   std::deque<std::unique_ptr<Session>> ready_;
+  std::deque<std::unique_ptr<Session>> feeds_;
+  unsigned taken_ = 0;
   /// Sessions that threads work on, with their descriptors.
   std::map<std::uint64_t, int> busy_;
   std::atomic<bool> stopping_ = false;

@@ -110,7 +110,7 @@ Session::Step Session::work(Engine& engine, const std::function<void(std::uint64
   if (state_ == State::greeting) return greet();
   if (state_ == State::waiting && exchange_.feed) {
     // The ring may come from the subscription itself, which the first piece begins.
-    if (!subscription_) {
+    if (!std::exchange(subscribed_, true)) {
       subscription_ = exchange_.feed->subscribe([ring, id = id_, rung = rung_] {
         rung->store(true);
         ring(id);
@@ -202,7 +202,7 @@ Session::Step Session::await_feed() {
   state_ = State::waiting;
   next_piece_ = Clock::now() + exchange_.feed->interval;
   // The first piece is there at once, and what was rung for while something was written.
-  return !subscription_ || rung() ? Step::ready : Step::waits;
+  return !subscribed_ || rung() ? Step::ready : Step::waits;
 }
 
 Session::Step Session::after_writing() {

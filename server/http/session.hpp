@@ -44,6 +44,8 @@ class Session {
 
   std::uint64_t id() const { return id_; }
   State state() const { return state_; }
+  /// It follows something, and has something new to send.
+  bool feeds() const { return state_ == State::waiting && exchange_.feed != nullptr; }
   /// No request is there yet that would be owed an answer.
   bool before_request() const { return state_ == State::greeting || state_ == State::head; }
   int descriptor() const { return connection_.descriptor(); }
@@ -90,6 +92,8 @@ class Session {
   // Of a feed.
   Clock::time_point next_piece_;
   bool feed_ended_ = false;
+  // Not told from the subscription, whose pointer may be null.
+  bool subscribed_ = false;
   bool answered_ = false;
   std::shared_ptr<std::atomic<bool>> rung_ = std::make_shared<std::atomic<bool>>(false);
   // Last, so that nobody wakes what is half gone.

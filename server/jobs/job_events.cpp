@@ -15,7 +15,7 @@ std::shared_ptr<void> JobEvents::subscribe(std::string_view job, std::function<v
 
 void JobEvents::changed(std::string_view job) {
   const std::scoped_lock lock(mutex_);
-  const auto [first, last] = waiters_.equal_range(std::string(job));
+  const auto [first, last] = waiters_.equal_range(job);
   for (auto each = first; each != last; ++each) each->second();
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 
 namespace surfaced {
 
@@ -21,7 +21,7 @@ class JobEvents {
 
  private:
   std::mutex mutex_;
-  std::unordered_multimap<std::string, std::function<void()>> waiters_;
+  std::multimap<std::string, std::function<void()>, std::less<>> waiters_;
 };
 
 }  // namespace surfaced

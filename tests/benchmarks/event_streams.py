@@ -3,7 +3,7 @@
 
 usage: event_streams.py SURFACED [STREAMS [SUBMISSIONS]]      defaults: 1000 300
 
-Starts `SURFACED serve` with one worker, so that the submissions wait behind the followed job and only the service is
+Starts `SURFACED serve` with one worker of one thread, so that the submissions wait behind the followed job and only the service is
 measured; takes the pace without streams, with them, and without them again.
 """
 import http.client
@@ -132,7 +132,7 @@ def main():
     surfaced = sys.argv[1]
     streams, submissions = (int(value) for value in (sys.argv[2:] + ["1000", "300"][len(sys.argv) - 2 :]))
     with tempfile.TemporaryDirectory(prefix="surfaced-streams-") as data:
-        flags = ["--listen", "127.0.0.1:0", "--data", data, "--workers", "1", "--queue-limit", "100000"]
+        flags = ["--listen", "127.0.0.1:0", "--data", data, "--workers", "1", "--threads-per-job", "1", "--queue-limit", "100000"]
         flags += ["--requests-per-connection", "1000000", "--drain-time", "0", "--log-level", "warning"]
         server = subprocess.Popen([surfaced, "serve", *flags], stdout=subprocess.PIPE, text=True)
         try:

@@ -83,6 +83,15 @@ class HttpGuardTest : public ::testing::Test {
       response.later = later;
       return response;
     });
+    router_.add("GET", "/follow", [this](Request&) {
+      auto feed = std::make_shared<Feed>();
+      feed->interval = milliseconds(100);
+      feed->subscribe = [this](std::function<void()> wake) { return topic_.subscribe(std::move(wake)); };
+      feed->next = [this](bool) { return Feed::Piece{++asked_ == 1 ? "first" : "", false, false}; };
+      Response response;
+      response.feed = feed;
+      return response;
+    });
     router_.add("GET", "/throw", [](Request&) -> Response { throw std::runtime_error("secret"); });
     router_.add("POST", "/ignore", [](Request& request) {
       return problem_response({ErrorCode::not_found, "no"}, request);
@@ -121,6 +130,7 @@ class HttpGuardTest : public ::testing::Test {
   std::unique_ptr<Server> server_;
   std::uint16_t port_ = 0;
   std::atomic<std::uint64_t> seen_ = 0;
+  std::atomic<int> asked_ = 0;
 };
 
 std::string post_line() { return "POST /count HTTP/1.1\r\nHost: h\r\n"; }
@@ -390,6 +400,20 @@ TEST_F(HttpGuardTest, a_waiter_who_goes_away_is_forgotten) {
   for (int i = 0; i < 400 && topic_.waiters() > 0; ++i) std::this_thread::sleep_for(milliseconds(5));
   EXPECT_EQ(topic_.waiters(), 0U);
   EXPECT_EQ(server_->state().connections, 0U);
+}
+
+TEST_F(HttpGuardTest, a_feed_is_asked_when_it_is_rung_for_and_after_its_interval_and_else_not) {
+  RawConnection connection(port_);
+  connection.send("GET /follow HTTP/1.1\r\nHost: h\r\n\r\n");
+  EXPECT_EQ(connection.read_answer().status, 200);
+  std::this_thread::sleep_for(milliseconds(550));
+  const int asked = asked_;
+  EXPECT_GE(asked, 3);
+  EXPECT_LE(asked, 8) << "once at the beginning, then every 100 ms";
+  EXPECT_EQ(topic_.waiters(), 1U) << "it subscribes once";
+  topic_.tell();
+  std::this_thread::sleep_for(milliseconds(40));
+  EXPECT_GT(asked_, asked);
 }
 
 TEST_F(HttpGuardTest, stopping_answers_whoever_waits) {
