@@ -116,7 +116,7 @@ export class Layers {
       this.fine.push(lines);
     }
     if (mesh.coarse && look.surface) {
-      this.coarse = new Mesh(geometryOf(positions, mesh.coarse), surfaceMaterial(palette, false, false, false, planes));
+      this.coarse = new Mesh(geometryOf(positions, mesh.coarse), surfaceMaterial(palette, false, false, content.solid === true, planes));
       this.coarse.visible = false;
       this.place(this.coarse, mesh.origin, origin);
     }

@@ -11,8 +11,8 @@ import { simplified } from '../geometry/simplify';
 import type { Answer, GeometryCalls, Question } from './protocol';
 
 /** From here on a coarse stand-in is drawn while the camera moves. */
-const kLarge = 50_000;
-const kCoarse = 30_000;
+const kLarge = 40_000;
+const kCoarse = 20_000;
 /** A vertex is the point it was made of up to what rounding its origin takes: this part of the cloud's diagonal. */
 const kRounding = 2 ** -20;
 
