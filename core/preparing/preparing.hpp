@@ -1,5 +1,5 @@
-// Stages before a method: outliers, sampling, normals. Each takes a cloud and gives a cloud. And what methods ask of
-// any cloud: its spacing, a frame for computing, nearest points.
+// Stages before a method: outliers, sampling, smoothing, normals. Each takes a cloud and gives a cloud. And what
+// methods ask of any cloud: its spacing, a frame for computing, nearest points.
 #pragma once
 
 #include <optional>
@@ -44,6 +44,21 @@ Result<PointCloud> without_outliers(const PointCloud& cloud, double factor, Cont
 /// Keeps one input point in every cell of a grid, the nearest to the cell's centre; `cell` is the side of a cell, in
 /// units of the input, or without it twice the spacing.
 Result<PointCloud> sampled(const PointCloud& cloud, std::optional<double> cell, Context& context);
+
+/// Keeps about `share` of the points: one in each cluster of 1 / share points at most, the nearest to its centre.
+Result<PointCloud> clustered(const PointCloud& cloud, double share, Context& context);
+
+/// Draws `share` of the points and spreads them evenly over the surface that the others suggest (WLOP). The points
+/// move; normals and colours are those of the nearest input point.
+/// @cost  35 rounds of searches within some spacings: a hundred times that of the others.
+Result<PointCloud> consolidated(const PointCloud& cloud, double share, Context& context);
+
+/// How points are smoothed: onto quadrics, or along normals so that edges stay.
+enum class Smoothing : std::uint8_t { jet, bilateral };
+
+/// Moves every point towards the surface through its nearest neighbours. Normals and colours go with the points. More
+/// neighbours smooth more; fewer than 7 points stay as they are.
+Result<PointCloud> smoothed(const PointCloud& cloud, Smoothing way, std::size_t neighbours, Context& context);
 
 /// How normals are estimated: from the plane, or from the quadric, that fits the neighbours best.
 enum class NormalFit : std::uint8_t { plane, jet };

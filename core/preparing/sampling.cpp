@@ -1,5 +1,5 @@
-// Down-sampling to one point a cell of a grid. Not by CGAL 5.5.1, whose simplifications keep a reference to a callback
-// that has ended (docs/DECISIONS.md).
+// Down-sampling to one point a cell of a grid. Not by CGAL, which keeps the first point of a cell and so depends on
+// their order.
 #include <algorithm>
 #include <array>
 #include <cmath>

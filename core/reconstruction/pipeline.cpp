@@ -47,10 +47,6 @@ PointUse use_of_points(const PointCloud& cloud, const TriangleMesh& mesh, const 
   return use;
 }
 
-bool asks_for_preparing(const Json& parameters) {
-  return parameters.at("outliers") != "none" || parameters.at("sample") != "none";
-}
-
 Result<PointCloud> load(const std::filesystem::path& path, const ReadLimits& limits, std::string_view name,
                         Context& context) {
   context.section(kReadUntil);
@@ -62,7 +58,8 @@ Result<PointCloud> load(const std::filesystem::path& path, const ReadLimits& lim
 
 /// Whether points that are no vertices can be told to be inside.
 bool vertices_are_points(const FileRequest& request) {
-  return method_of(*request.method).interpolates && !asks_for_simplifying(request.parameters);
+  return method_of(*request.method).interpolates && !asks_for_simplifying(request.parameters) &&
+         !moves_points(request.parameters);
 }
 
 /// What a reader of the encoded mesh gets, measured.

@@ -8,8 +8,9 @@ namespace surfaced {
 namespace {
 
 /// Shares of the progress of the preparing section.
-constexpr double kOutliersUntil = 0.5;
-constexpr double kSampleUntil = 1;
+constexpr double kOutliersUntil = 0.2;
+constexpr double kSampleUntil = 0.5;
+constexpr double kSmoothUntil = 0.8;
 
 Json word_or_number(const char* word, double minimum, const char* title, const char* text, const char* unit) {
   return {{"oneOf",
@@ -32,47 +33,114 @@ Status step(Prepared& prepared, const char* name, Result<PointCloud> cloud) {
   return Done{};
 }
 
-Status run_sampling(Prepared& prepared, const Json& parameters, Context& context) {
+Result<PointCloud> sample_of(const PointCloud& cloud, const Json& parameters, Context& context) {
+  const Json& way = parameters.at("sample");
+  const double share = parameters.at("sample_share");
+  if (way == "hierarchy") return clustered(cloud, share, context);
+  if (way == "wlop") return consolidated(cloud, share, context);
   const Json& cell = parameters.at("sample_cell");
-  context.enter("sample", kSampleUntil);
-  return step(prepared, "sample",
-              sampled(prepared.cloud, cell.is_number() ? std::optional(cell.get<double>()) : std::nullopt, context));
+  return sampled(cloud, cell.is_number() ? std::optional(cell.get<double>()) : std::nullopt, context);
+}
+
+Json smoothing_properties() {
+  return Json{{"smooth",
+               {{"enum", {"none", "jet", "bilateral"}},
+                {"default", "none"},
+                {"title", "Smoothing"},
+                {"description",
+                 "Moves the points towards the surface through their neighbours: jet onto quadrics, bilateral so that "
+                 "edges stay. A method then goes through the moved points."}}},
+              {"smooth_neighbours",
+               {{"type", "integer"},
+                {"minimum", 6},
+                {"maximum", 1000},
+                {"default", 24},
+                {"title", "Neighbours for smoothing"},
+                {"description", "More smooth more: as many as lie within some times the noise."},
+                {"x-unit", "points"}}},
+              {"normals",
+               {{"enum", {"keep", "plane", "jet"}},
+                {"default", "keep"},
+                {"title", "Normals"},
+                {"description",
+                 "plane and jet estimate normals from 18 neighbours and turn them outwards, replacing those of the "
+                 "cloud; keep leaves the cloud as it is."}}}};
+}
+
+Json sampling_properties() {
+  return Json{
+      {"sample",
+       {{"enum", {"none", "grid", "hierarchy", "wlop"}},
+        {"default", "none"},
+        {"title", "Down-sampling"},
+        {"description",
+         "grid keeps one point a cell, the nearest to its centre; hierarchy one point a cluster; wlop draws points and "
+         "spreads them evenly over the surface, which moves them."}}},
+      {"sample_cell",
+       word_or_number("auto", 0, "Size of a cell", "Side of the cells of sample=grid; auto is 2 spacings.", "input")},
+      {"sample_share",
+       {{"type", "number"},
+        {"minimum", 0.001},
+        {"maximum", 1},
+        {"default", 0.25},
+        {"title", "Share of the points to keep"},
+        {"description", "For sample=hierarchy, which keeps at least as many, and sample=wlop."},
+        {"x-unit", "1"}}}};
 }
 
 }  // namespace
 
 Json preparing_properties() {
-  return Json{
-      {"outliers",
-       word_or_number("none", 1, "Outliers to remove",
-                      "Removes points whose mean distance to their 12 nearest exceeds this many times the median of "
-                      "it; 2 to 4 is usual.",
-                      "1")},
-      {"sample",
-       {{"enum", {"none", "grid"}},
-        {"default", "none"},
-        {"title", "Down-sampling"},
-        {"description", "grid keeps one point a cell, the nearest to its centre."}}},
-      {"sample_cell",
-       word_or_number("auto", 0, "Size of a cell", "Side of the cells of sample=grid; auto is 2 spacings.", "input")},
-      {"drop_parts",
-       {{"type", "number"},
-        {"minimum", 0},
-        {"maximum", 1},
-        {"default", 0},
-        {"title", "Parts of the mesh to drop"},
-        {"description", "Drops parts that have fewer than this fraction of the triangles of the largest part."},
-        {"x-unit", "1"}}}};
+  Json properties{
+      {"outliers", word_or_number("none", 1, "Outliers to remove",
+                                  "Removes points whose mean distance to their 12 nearest exceeds this many "
+                                  "times the median of it; 2 to 4 is usual.",
+                                  "1")}};
+  properties.update(sampling_properties());
+  properties.update(smoothing_properties());
+  properties["drop_parts"] = {
+      {"type", "number"},
+      {"minimum", 0},
+      {"maximum", 1},
+      {"default", 0},
+      {"title", "Parts of the mesh to drop"},
+      {"description", "Drops parts that have fewer than this fraction of the triangles of the largest part."},
+      {"x-unit", "1"}};
+  return properties;
+}
+
+bool asks_for_preparing(const Json& parameters) {
+  return parameters.at("outliers") != "none" || parameters.at("sample") != "none" ||
+         parameters.at("smooth") != "none" || parameters.at("normals") != "keep";
+}
+
+bool moves_points(const Json& parameters) {
+  return parameters.at("sample") == "wlop" || parameters.at("smooth") != "none";
 }
 
 Result<Prepared> prepare(PointCloud cloud, const Json& parameters, Context& context) {
+  constexpr std::size_t kNeighboursOfNormals = 18;
   Prepared prepared{.cloud = std::move(cloud)};
   Status status = Done{};
   if (const Json& factor = parameters.at("outliers"); factor.is_number()) {
     context.enter("outliers", kOutliersUntil);
     status = step(prepared, "outliers", without_outliers(prepared.cloud, factor.get<double>(), context));
   }
-  if (status && parameters.at("sample") != "none") status = run_sampling(prepared, parameters, context);
+  if (status && parameters.at("sample") != "none") {
+    context.enter("sample", kSampleUntil);
+    status = step(prepared, "sample", sample_of(prepared.cloud, parameters, context));
+  }
+  if (const Json& way = parameters.at("smooth"); status && way != "none") {
+    context.enter("smooth", kSmoothUntil);
+    const Smoothing smoothing = way == "jet" ? Smoothing::jet : Smoothing::bilateral;
+    status = step(prepared, "smooth",
+                  smoothed(prepared.cloud, smoothing, parameters.at("smooth_neighbours").get<std::size_t>(), context));
+  }
+  if (const Json& way = parameters.at("normals"); status && way != "keep") {
+    context.enter("normals", 1);
+    const NormalFit fit = way == "jet" ? NormalFit::jet : NormalFit::plane;
+    status = step(prepared, "normals", with_normals(prepared.cloud, fit, kNeighboursOfNormals, context));
+  }
   if (!status) return std::move(status).error();
   return prepared;
 }

@@ -8,6 +8,11 @@ namespace surfaced {
 /// Schemas of their parameters.
 Json preparing_properties();
 
+/// Whether any stage before the method is asked for.
+bool asks_for_preparing(const Json& parameters);
+/// Whether one of them moves points, so that the method's vertices are not the input's.
+bool moves_points(const Json& parameters);
+
 /// A cloud as a method gets it.
 struct Prepared {
   PointCloud cloud;
@@ -15,7 +20,7 @@ struct Prepared {
   Json stages = Json::array();
 };
 
-/// Runs the stages that the parameters ask for, in the order outliers, sample.
+/// Runs the stages that the parameters ask for, in the order outliers, sample, smooth, normals.
 /// @return  cancelled, out_of_memory, method_failed (nothing is left).
 Result<Prepared> prepare(PointCloud cloud, const Json& parameters, Context& context);
 

@@ -60,7 +60,8 @@ TEST(CheckParameters, fills_in_the_defaults_in_the_schema_s_order) {
   ASSERT_TRUE(parameters);
   EXPECT_EQ(parameters->dump(),
             R"({"radius_ratio_bound":5,"beta":0.52,"fill_holes":"none","up":"y","quantization":"none","unit":"mm",)"
-            R"("outliers":"none","sample":"none","sample_cell":"auto","drop_parts":0,)"
+            R"("outliers":"none","sample":"none","sample_cell":"auto","sample_share":0.25,"smooth":"none",)"
+            R"("smooth_neighbours":24,"normals":"keep","drop_parts":0,)"
             R"("simplify":"none","compression":"none","vertex_quality":false,"color_map":"none","min_wall":"auto"})");
 }
 
@@ -220,6 +221,24 @@ TEST_F(Files, preparing_stages_count_their_points_and_stand_among_the_stages) {
   double sum = 0;
   for (const Json& stage : report->at("stages")) sum += stage.at("seconds").get<double>();
   EXPECT_NEAR(sum, report->at("resources").at("wall_seconds").get<double>(), 1e-9);
+}
+
+TEST_F(Files, every_preparing_stage_runs_before_any_method_and_is_counted) {
+  const auto cloud = write_cloud("torus.ply", testing::random_torus(3000, 4, 0.01));
+  const Json all{
+      {"outliers", 3}, {"sample", "hierarchy"}, {"sample_share", 0.5}, {"smooth", "bilateral"}, {"normals", "jet"}};
+  const auto report = reconstruct(cloud, "t.glb", all);
+  ASSERT_TRUE(report) << report.error().detail;
+  const Json& stages = report->at("preparing");
+  ASSERT_EQ(stages.size(), 4U);
+  EXPECT_EQ(stages[1].at("name"), "sample");
+  EXPECT_GT(stages[1].at("points_out"), 1000);
+  EXPECT_LT(stages[1].at("points_out"), 2500);
+  EXPECT_EQ(stages[3].at("name"), "normals");
+  EXPECT_EQ(report->at("quality").at("interior_vertices"), nullptr) << "the points moved";
+  const auto mesh = read_mesh(folder_ / "t.glb");
+  ASSERT_TRUE(mesh);
+  EXPECT_EQ(mesh->normals.size(), mesh->positions.size());
 }
 
 TEST_F(Files, small_parts_are_dropped_where_asked_for) {

@@ -1,0 +1,122 @@
+#include "preparing/preparing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <random>
+
+#include "support/nasty_clouds.hpp"
+#include "support/shapes.hpp"
+
+namespace surfaced {
+namespace {
+
+PointCloud cloud_of(std::vector<Point3> points) { return *make_cloud(testing::raw_cloud(std::move(points))); }
+
+using Stage = std::function<Result<PointCloud>(const PointCloud&, Context&)>;
+struct Named {
+  const char* name;
+  Stage run;
+};
+const std::vector<Named>& stages() {
+  static const std::vector<Named> all{
+      {"outliers", [](const PointCloud& c, Context& x) { return without_outliers(c, 3, x); }},
+      {"grid", [](const PointCloud& c, Context& x) { return sampled(c, std::nullopt, x); }},
+      {"hierarchy", [](const PointCloud& c, Context& x) { return clustered(c, 0.25, x); }},
+      {"wlop", [](const PointCloud& c, Context& x) { return consolidated(c, 0.25, x); }},
+      {"jet", [](const PointCloud& c, Context& x) { return smoothed(c, Smoothing::jet, 24, x); }},
+      {"bilateral", [](const PointCloud& c, Context& x) { return smoothed(c, Smoothing::bilateral, 24, x); }},
+      {"normals", [](const PointCloud& c, Context& x) { return with_normals(c, NormalFit::jet, 18, x); }}};
+  return all;
+}
+
+double distance_to_torus(const Point3& p) { return std::abs(std::hypot(std::hypot(p[0], p[1]) - 1, p[2]) - 0.3); }
+
+double mean_distance(const PointCloud& cloud) {
+  double sum = 0;
+  for (const Point3& p : cloud.positions) sum += distance_to_torus(p);
+  return sum / static_cast<double>(cloud.size());
+}
+
+TEST(Preparing, smoothing_and_wlop_bring_noisy_points_nearer_to_the_truth) {
+  const PointCloud noisy = cloud_of(testing::random_torus(4000, 7, 0.02));
+  Context context;
+  const double before = mean_distance(noisy);
+  EXPECT_LT(mean_distance(*smoothed(noisy, Smoothing::jet, 48, context)), 0.6 * before);
+  EXPECT_LT(mean_distance(*smoothed(noisy, Smoothing::bilateral, 48, context)), 0.7 * before);
+  EXPECT_LT(mean_distance(*consolidated(noisy, 0.25, context)), before);
+}
+
+TEST(Preparing, samples_keep_about_the_share_asked_for_and_input_points_but_for_wlop) {
+  const PointCloud cloud = cloud_of(testing::random_torus(4000, 7));
+  Context context;
+  const PointCloud sample = *clustered(cloud, 0.25, context);
+  EXPECT_GT(sample.size(), 1000U);
+  EXPECT_LT(sample.size(), 2400U);
+  for (const double d : nearest_points(cloud.positions, sample.positions, 1).distance) EXPECT_EQ(d, 0);
+  EXPECT_EQ(consolidated(cloud, 0.25, context)->size(), 1000U);
+}
+
+TEST(Preparing, normals_of_closed_surfaces_face_outwards_in_every_part) {
+  std::vector<Point3> points = testing::sphere_points(2000);
+  for (const Point3& p : testing::sphere_points(500, {5, 0, 0}, 0.5)) points.push_back(p);
+  const PointCloud cloud = cloud_of(points);
+  for (const NormalFit fit : {NormalFit::plane, NormalFit::jet}) {
+    Context context;
+    const auto with = with_normals(cloud, fit, 18, context);
+    ASSERT_TRUE(with) << with.error().detail;
+    for (std::size_t v = 0; v < with->size(); ++v) {
+      const Point3 centre{cloud.positions[v][0] > 3 ? 5.0 : 0.0, 0, 0};
+      const Point3 out = cloud.positions[v] - centre;
+      const Normal3& n = with->normals[v];
+      const Point3 normal{static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])};
+      EXPECT_GT(dot(out, normal) / norm(out), 0.97);
+    }
+  }
+}
+
+TEST(Preparing, gives_the_same_for_any_order_of_the_points_and_number_of_threads) {
+  std::vector<Point3> points = testing::random_torus(5000, 3, 0.01);
+  const PointCloud first = cloud_of(points);
+  std::ranges::shuffle(points, std::mt19937(1));
+  const PointCloud second = cloud_of(points);
+  for (const auto& [name, run] : stages()) {
+    Context one(1);
+    Context three(3);
+    const auto a = run(first, one);
+    const auto b = run(second, three);
+    ASSERT_TRUE(a && b) << name;
+    EXPECT_EQ(a->positions, b->positions) << name;
+    EXPECT_EQ(a->normals, b->normals) << name;
+  }
+}
+
+TEST(Preparing, takes_nasty_clouds_and_leaves_finite_points) {
+  for (std::uint64_t number = 0; number < 110; ++number) {
+    const testing::NastyCloud nasty = testing::NastyClouds::make(number);
+    const PointCloud cloud = cloud_of(nasty.points);
+    for (const auto& [name, run] : stages()) {
+      Context context;
+      const auto result = run(cloud, context);
+      if (!result && result.error().code == ErrorCode::too_few_points) continue;
+      ASSERT_TRUE(result) << name << " of " << nasty.kind << " " << number << ": " << result.error().detail;
+      EXPECT_GE(cloud.size(), result->size());
+    }
+  }
+}
+
+TEST(Preparing, stops_when_cancelled) {
+  const PointCloud cloud = cloud_of(testing::random_torus(2000, 3));
+  for (const auto& [name, run] : stages()) {
+    const std::atomic<bool> cancel = true;
+    Context context(1, {}, &cancel);
+    const auto result = run(cloud, context);
+    ASSERT_FALSE(result) << name;
+    EXPECT_EQ(result.error().code, ErrorCode::cancelled) << name;
+  }
+}
+
+}  // namespace
+}  // namespace surfaced
