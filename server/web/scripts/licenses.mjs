@@ -47,6 +47,7 @@ export function licensesPage(source, version, sourceUrl) {
   const web = path.join(source, 'server/web');
   const notice = readFileSync(path.join(source, 'NOTICE'), 'utf8');
   const draco = readFileSync(path.join(web, 'node_modules/three/examples/jsm/libs/draco/README.md'), 'utf8');
+  const meshopt = readFileSync(path.join(web, 'node_modules/meshoptimizer/LICENSE.md'), 'utf8');
   const texts = common.filter((name) => existsSync(`/usr/share/common-licenses/${name}`))
     .map((name) => entry(name, readFileSync(`/usr/share/common-licenses/${name}`, 'utf8')));
   const where = sourceUrl ? `<p>The source of this version: <a href="${escape(sourceUrl)}">${escape(sourceUrl)}</a></p>`
@@ -61,6 +62,7 @@ export function licensesPage(source, version, sourceUrl) {
 ${entry('surfaced: GNU General Public License, version 3', readFileSync(path.join(source, 'LICENSE'), 'utf8'))}
 <h2>In the page</h2>${bundledPackages(web).join('\n')}
 ${entry('Draco decoder (Apache-2.0)', draco)}
+${entry('meshoptimizer decoder (MIT)', meshopt)}
 <h2>In the daemon, or linked with it</h2>${debianEntries(source).join('\n')}
 <h2>Licences that the texts above refer to</h2>${texts.join('\n')}
 </main></body></html>

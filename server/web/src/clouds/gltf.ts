@@ -1,6 +1,7 @@
 // Positions and triangles of glTF and GLB. three's GLTFLoader is not used: it also builds materials and textures, and its
 // Draco loader starts workers from blobs, which the page's policy forbids.
 import { Matrix4, Quaternion, Vector3 } from 'three';
+import { MeshoptDecoder } from 'three/examples/jsm/libs/meshopt_decoder.module.js';
 import { UnreadableCloud } from './cloud_data';
 import { decodeDraco } from './draco';
 
@@ -9,6 +10,12 @@ interface Primitive {
   indices?: number;
   mode?: number;
   extensions?: { KHR_draco_mesh_compression?: { bufferView: number; attributes: Record<string, number> } };
+}
+interface View {
+  byteOffset?: number;
+  byteLength: number;
+  byteStride?: number;
+  extensions?: { EXT_meshopt_compression?: { byteOffset?: number; byteLength: number; byteStride: number; count: number; mode: string; filter?: string } };
 }
 interface Node {
   mesh?: number;
@@ -25,8 +32,8 @@ export interface Gltf {
   scenes?: { nodes?: number[] }[];
   nodes?: Node[];
   meshes?: { primitives: Primitive[] }[];
-  accessors?: { bufferView?: number; byteOffset?: number; componentType: number; count: number; type: string }[];
-  bufferViews?: { byteOffset?: number; byteLength: number; byteStride?: number }[];
+  accessors?: { bufferView?: number; byteOffset?: number; componentType: number; count: number; type: string; normalized?: boolean }[];
+  bufferViews?: View[];
   buffers?: { uri?: string; byteLength: number }[];
 }
 
@@ -50,22 +57,46 @@ export function openGltf(bytes: Uint8Array): { json: Gltf; buffer: Uint8Array } 
   return { json, buffer: Uint8Array.from(text, (c) => c.charCodeAt(0)) };
 }
 
-function readAccessor(json: Gltf, buffer: Uint8Array, index: number, components: number): Float32Array | Uint32Array {
+/** The bytes of a view, unpacked where meshoptimizer has packed them. */
+async function bytesOf(view: View, buffer: Uint8Array): Promise<Uint8Array> {
+  const packed = view.extensions?.EXT_meshopt_compression;
+  const { byteOffset = 0, byteLength } = packed ?? view;
+  if (byteOffset + byteLength > buffer.length) throw new UnreadableCloud('the glTF ends before its data does');
+  const bytes = buffer.subarray(byteOffset, byteOffset + byteLength);
+  if (!packed) return bytes;
+  await MeshoptDecoder.ready;
+  const unpacked = new Uint8Array(packed.count * packed.byteStride);
+  MeshoptDecoder.decodeGltfBuffer(unpacked, packed.count, packed.byteStride, bytes, packed.mode, packed.filter ?? 'NONE');
+  return unpacked;
+}
+
+type Read = (data: DataView, at: number) => number;
+/** By component type: size, what reads one, and what 1 is if it is normalised. */
+const components: Record<number, [number, Read, number]> = {
+  5120: [1, (data, at) => data.getInt8(at), 127],
+  5121: [1, (data, at) => data.getUint8(at), 255],
+  5122: [2, (data, at) => data.getInt16(at, true), 32767],
+  5123: [2, (data, at) => data.getUint16(at, true), 65535],
+  5125: [4, (data, at) => data.getUint32(at, true), 1],
+  5126: [4, (data, at) => data.getFloat32(at, true), 1],
+};
+
+async function readAccessor<T extends Float32Array | Uint32Array>(json: Gltf, buffer: Uint8Array, index: number, width: number, make: (size: number) => T): Promise<T> {
   const accessor = json.accessors?.[index];
   const view = json.bufferViews?.[accessor?.bufferView ?? -1];
-  if (!accessor || !view) throw new UnreadableCloud('the glTF has a position without bytes');
-  const sizes: Record<number, number> = { 5121: 1, 5123: 2, 5125: 4, 5126: 4 };
-  const size = sizes[accessor.componentType] ?? 4;
-  const stride = view.byteStride ?? size * components;
-  const start = (view.byteOffset ?? 0) + (accessor.byteOffset ?? 0);
-  if (start + (accessor.count - 1) * stride + size * components > buffer.length) throw new UnreadableCloud('the glTF ends before its data does');
-  const data = new DataView(buffer.buffer, buffer.byteOffset, buffer.byteLength);
-  const out = accessor.componentType === 5126 ? new Float32Array(accessor.count * components) : new Uint32Array(accessor.count * components);
-  const get = { 5121: (at: number) => data.getUint8(at), 5123: (at: number) => data.getUint16(at, true), 5125: (at: number) => data.getUint32(at, true),
-    5126: (at: number) => data.getFloat32(at, true) }[accessor.componentType];
-  if (!get) throw new UnreadableCloud(`the glTF has numbers of the type ${accessor.componentType}, which is not expected here`);
+  if (!accessor || !view) throw new UnreadableCloud('the glTF has positions without bytes');
+  const known = components[accessor.componentType];
+  if (!known) throw new UnreadableCloud(`the glTF has numbers of the type ${accessor.componentType}, which is not expected here`);
+  const [size, get, one] = known;
+  const bytes = await bytesOf(view, buffer);
+  const stride = view.extensions?.EXT_meshopt_compression?.byteStride ?? view.byteStride ?? size * width;
+  const start = accessor.byteOffset ?? 0;
+  if (start + (accessor.count - 1) * stride + size * width > bytes.length) throw new UnreadableCloud('the glTF ends before its data does');
+  const data = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  const scale = accessor.normalized ? 1 / one : 1;
+  const out = make(accessor.count * width);
   for (let i = 0, to = 0; i < accessor.count; i += 1) {
-    for (let k = 0; k < components; k += 1) out[to++] = get(start + i * stride + k * size);
+    for (let k = 0; k < width; k += 1) out[to++] = get(data, start + i * stride + k * size) * scale;
   }
   return out;
 }
@@ -78,8 +109,9 @@ export async function readPrimitive(json: Gltf, buffer: Uint8Array, primitive: P
     const start = view.byteOffset ?? 0;
     return decodeDraco(buffer.slice(start, start + view.byteLength), draco.attributes.POSITION);
   }
-  const positions = readAccessor(json, buffer, primitive.attributes.POSITION, 3) as Float32Array;
-  return primitive.indices === undefined ? { positions } : { positions, index: readAccessor(json, buffer, primitive.indices, 1) as Uint32Array };
+  const positions = await readAccessor(json, buffer, primitive.attributes.POSITION, 3, (size) => new Float32Array(size));
+  if (primitive.indices === undefined) return { positions };
+  return { positions, index: await readAccessor(json, buffer, primitive.indices, 1, (size) => new Uint32Array(size)) };
 }
 
 function localMatrix(node: Node): Matrix4 {
