@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "command/command.hpp"
+#include "command/health.hpp"
 #include "command/problem.hpp"
 #include "reconstruction/reconstruction.hpp"
 
@@ -17,6 +18,7 @@ int dispatch(int argc, char** argv) {
   surfaced::add_methods(app, run);
   surfaced::add_serve(app, run);
   surfaced::add_check_config(app, run);
+  surfaced::add_health(app, run);
   surfaced::add_keys(app, run);
   surfaced::add_backup(app, run);
   surfaced::add_attempt(app, run);

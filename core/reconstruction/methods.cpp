@@ -4,6 +4,7 @@
 #include <array>
 
 #include "reconstruction/finishing_stage.hpp"
+#include "reconstruction/method_table.hpp"
 #include "reconstruction/preparing_stage.hpp"
 
 namespace surfaced {
@@ -33,9 +34,7 @@ Json common_properties() {
 }
 
 const std::vector<Method>& table() {
-  static const std::vector<Method> methods{
-      minimum_boundary_method(), local_delaunay_method(), intrinsic_delaunay_method(), advancing_front_method(),
-      scale_space_method(),      poisson_method(),        alpha_wrap_method()};
+  static const std::vector<Method> methods = all_methods();
   return methods;
 }
 

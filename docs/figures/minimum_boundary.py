@@ -173,7 +173,7 @@ def read_png(path):
     for y in range(height):
         kind = raw[y * (width * n + 1)]
         row = bytearray(raw[y * (width * n + 1) + 1:(y + 1) * (width * n + 1)])
-        for i in range(len(row)):
+        for i in range(len(row) if kind else 0):
             a, b, c = (row[i - n] if i >= n else 0), before[i], (before[i - n] if i >= n else 0)
             if kind == 4:
                 p = a + b - c
@@ -182,7 +182,7 @@ def read_png(path):
                 d = (0, a, b, (a + b) // 2)[kind]
             row[i] = (row[i] + d) & 255
         before = bytes(row)
-        rows.append(b"".join(before[i:i + 3] for i in range(0, len(before), n)))
+        rows.append(before if n == 3 else b"".join(before[i:i + 3] for i in range(0, len(before), n)))
     return rows
 
 
@@ -243,7 +243,6 @@ class Studio:
             rows += [b"".join(parts) for parts in zip(*line)]
         path = self.options.out / f"minimum-boundary-{name}.png"
         write_png(path, rows)
-        subprocess.run(["optipng", "-quiet", "-o5", path], check=False)
         print(f"  {path}: {path.stat().st_size} bytes")
 
 

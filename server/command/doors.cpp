@@ -4,6 +4,7 @@
 
 #include "api/job_json.hpp"
 #include "http/problem.hpp"
+#include "observability/log.hpp"
 #include "worker/side_main.hpp"
 
 namespace surfaced {
@@ -30,7 +31,14 @@ Result<std::string> read_secret(const std::filesystem::path& file) {
 }  // namespace
 
 Status check_exposure(const Settings& settings, std::string_view host) {
-  if (!settings.keys.empty() || settings.allow_anonymous == "yes" || is_loopback(host)) return Done{};
+  if (!settings.keys.empty() || is_loopback(host)) return Done{};
+  if (settings.allow_anonymous == "yes") {
+    log(LogLevel::warning,
+        "whoever reaches this address may use the server; to admit only those with a key: surfaced keys add FILE "
+        "--name NAME, then start with --keys FILE (SURFACED_KEYS)",
+        {{"listen", settings.listen}});
+    return Done{};
+  }
   return Error{ErrorCode::invalid_usage,
                "--listen " + settings.listen +
                    " is no loopback address and there are no keys; give --keys FILE "

@@ -108,7 +108,8 @@ void check_data(Configuration& configuration) {
   }
   if (!std::filesystem::is_directory(existing, error) || ::access(existing.c_str(), W_OK | X_OK) != 0) {
     configuration.problems.push_back("data is '" + data.string() + "'; '" + existing.string() +
-                                     "' is no folder that this user can write");
+                                     "' is no folder that this user can write: chown it to user " +
+                                     std::to_string(::geteuid()) + ", or give another (--data, SURFACED_DATA)");
     return;
   }
   struct statvfs disk {};

@@ -26,6 +26,20 @@ Error cannot_listen(const Address& address, std::string_view why) {
                                         ": cannot listen there: " + std::string(why)};
 }
 
+/// The reason, and what to do about it.
+std::string remedied(int error) {
+  switch (error) {
+    case EADDRINUSE:
+      return error_text(error) + "; stop what listens there, or give another port (0 takes a free one)";
+    case EADDRNOTAVAIL:
+      return error_text(error) + "; this machine has no such address (0.0.0.0 and [::] are all that it has)";
+    case EACCES:
+      return error_text(error) + "; take a port above 1023, or give the process CAP_NET_BIND_SERVICE";
+    default:
+      return error_text(error);
+  }
+}
+
 Result<UniqueFd> bind_to(const addrinfo& where, const Address& address) {
   UniqueFd fd(::socket(where.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!fd) return cannot_listen(address, error_text(errno));
@@ -33,7 +47,7 @@ Result<UniqueFd> bind_to(const addrinfo& where, const Address& address) {
   // Not SO_REUSEPORT: that would let a second server take half of the connections in silence.
   ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (::bind(fd.get(), where.ai_addr, where.ai_addrlen) != 0 || ::listen(fd.get(), kBacklog) != 0) {
-    return cannot_listen(address, error_text(errno));
+    return cannot_listen(address, remedied(errno));
   }
   return fd;
 }

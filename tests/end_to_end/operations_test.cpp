@@ -72,6 +72,45 @@ TEST_F(OperationsTest, check_config_and_serve_refuse_what_is_wrong_with_exit_cod
   }
 }
 
+TEST_F(OperationsTest, what_stands_in_the_way_of_a_start_is_said_with_what_to_do_about_it) {
+  const auto refused = [&](const std::string& arguments) {
+    EXPECT_EQ(run("serve " + arguments), 2) << text_of(path("err"));
+    const std::string said = text_of(path("err"));  // the log, then the problem
+    return Json::parse(said.substr(said.find("{\"code\""))).at("detail").get<std::string>();
+  };
+  std::ofstream(path("file")) << "no folder";
+  EXPECT_THAT(refused("--data " + path("file").string() + "/data"),
+              HasSubstr("no folder that this user can write: chown it"));
+  testing::ServerProcess running(path("data"));
+  const std::string port = std::to_string(running.port());
+  const std::string data = "--data " + path("other").string();
+  EXPECT_THAT(refused(data + " --listen 127.0.0.1:" + port),
+              HasSubstr("stop what listens there, or give another port"));
+  EXPECT_THAT(refused(data + " --listen 192.0.2.1:80 --allow-anonymous yes"),
+              HasSubstr("this machine has no such address"));
+  EXPECT_THAT(refused(data + " --listen 0.0.0.0:0"), HasSubstr("give --keys FILE"));
+  environment_ = "SURFACED_WORKERS=some";
+  EXPECT_THAT(refused(data), HasSubstr("workers is 'some'; allowed is 0 to 1024 (from SURFACED_WORKERS)"));
+}
+
+TEST_F(OperationsTest, health_asks_the_server_that_listens_there) {
+  testing::ServerProcess running(path("data"));
+  environment_ = "SURFACED_LISTEN=0.0.0.0:" + std::to_string(running.port());
+  EXPECT_EQ(run("health"), 0) << text_of(path("err"));
+  EXPECT_THAT(text_of(path("out")), HasSubstr("is ready"));
+  running.end(SIGKILL);
+  EXPECT_EQ(run("health"), 5);
+  const Json problem = Json::parse(text_of(path("err")));
+  EXPECT_EQ(problem.at("code"), "not_ready");
+  EXPECT_THAT(problem.at("detail").get<std::string>(), HasSubstr("no answer from http://127.0.0.1:"));
+}
+
+TEST_F(OperationsTest, a_public_address_without_keys_is_warned_of_in_the_log) {
+  environment_ = "timeout --preserve-status 2";
+  EXPECT_EQ(run("serve --allow-anonymous yes --listen 0.0.0.0:0 --data " + path("data").string()), 0);
+  EXPECT_THAT(text_of(path("err")), HasSubstr("surfaced keys add FILE"));
+}
+
 TEST_F(OperationsTest, a_server_that_is_told_to_stop_is_unready_at_once_and_answers_until_its_jobs_have_ended) {
   testing::ServerProcess server(path("data"), {"--drain-time", "60", "--workers", "1"});
   const std::string running = submit(

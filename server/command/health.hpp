@@ -1,0 +1,10 @@
+#pragma once
+
+#include "command/command.hpp"
+
+namespace surfaced {
+
+/// `surfaced health`: asks the server on this machine for its /readyz; for containers, which have no curl.
+void add_health(CLI::App& app, Run& run);
+
+}  // namespace surfaced
