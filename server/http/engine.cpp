@@ -7,6 +7,7 @@
 
 #include "http/chunk_guard.hpp"
 #include "http/problem.hpp"
+#include "platform/clock.hpp"
 #include "platform/random.hpp"
 
 namespace surfaced::http {
@@ -143,6 +144,7 @@ void show(Response& response, httplib::Response& to) {
   Exchange& exchange = current->exchange;
   to.status = response.status;
   for (const auto& [name, value] : response.headers) to.set_header(name, value);
+  to.set_header("Date", to_http_date(now()));
   to.set_header("X-Request-Id", exchange.request.request_id);
   to.set_header("X-Content-Type-Options", "nosniff");
   if (auto* text = std::get_if<std::string>(&response.body)) to.body = std::move(*text);

@@ -107,6 +107,26 @@ test('pages of listed origins may call, others not', async () => {
   assert.match(answer.headers.get('vary'), /Origin/);
 });
 
+test('only a proxy that is trusted says who the client is', async () => {
+  const ask = (client, forwarded) => client.call('GET', '/v1/jobs', { headers: { 'x-forwarded-for': forwarded } });
+  const statuses = async (client, forwarded) => {
+    const seen = [];
+    for (let i = 0; i < 5; ++i) seen.push((await ask(client, forwarded)).status);
+    return seen.join(' ');
+  };
+  const behind = await Client.start(['--rate-limit', '3', '--trusted-proxies', '127.0.0.1,10.0.0.1']);
+  const open = await Client.start(['--rate-limit', '3', '--trusted-proxies', '10.0.0.1']);
+  try {
+    assert.equal(await statuses(behind, '203.0.113.5'), '200 200 200 429 429', 'the client behind the proxy is counted');
+    assert.equal(await statuses(behind, '198.51.100.1, 203.0.113.5, 10.0.0.1'), '429 429 429 429 429', 'the last that is not trusted is the client');
+    assert.equal(await statuses(behind, '203.0.113.6'), '200 200 200 429 429', 'another one has its own count');
+    assert.equal(await statuses(open, '203.0.113.5'), '200 200 200 200 200', 'whoever is no proxy of ours is believed nothing');
+  } finally {
+    await behind.stop();
+    await open.stop();
+  }
+});
+
 test('a public address without keys is refused, unless the operator says so', () => {
   const data = path.join(folder, 'data');
   const refused = spawnSync(process.env.SURFACED_BIN, ['serve', '--listen', '0.0.0.0:0', '--data', data], { encoding: 'utf8' });
