@@ -34,7 +34,7 @@ const expect = async (status, code, answer) => {
 };
 
 test('without a known key only probes, methods and the contract are open', async () => {
-  for (const target of ['/', '/healthz', '/readyz', '/openapi.json', '/docs', '/v1/methods', '/processes', '/conformance']) {
+  for (const target of ['/', '/healthz', '/readyz', '/openapi.json', '/docs', '/v1/methods', '/processes', '/conformance', '/samples', '/samples/knot.ply', '/licenses']) {
     assert.equal((await server.call('GET', target)).status, 200, target);
   }
   const refused = await server.call('GET', '/v1/jobs');
