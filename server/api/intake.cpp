@@ -187,6 +187,8 @@ Result<Json> receive_json(Request& request, std::size_t most_bytes) {
   } catch (const Json::parse_error& wrong) {
     return Error{ErrorCode::invalid_request,
                  "the body is no JSON: it goes wrong at byte " + std::to_string(wrong.byte)};
+  } catch (const Json::out_of_range&) {
+    return Error{ErrorCode::invalid_request, "the JSON has a number that is beyond the range of float64"};
   }
 }
 

@@ -71,6 +71,13 @@ test('wrong type', async () => {
   await refused(client.post('/v1/jobs', knot, { ...raw, 'content-encoding': 'br' }), 415, 'unsupported_content_encoding', 'Content-Encoding', 'br', /identity/);
 });
 
+test('JSON that cannot be read', async () => {
+  for (const body of ['{"cloud_id": ', '{"cloud_id":"x","ttl_seconds":1e999}', '['.repeat(100000), '"\\ud800"', '{"a":1}x', '\u0000']) {
+    const answer = await client.call('POST', '/v1/jobs', { body, headers: { 'content-type': 'application/json' } });
+    assert.equal(`${answer.status} ${answer.body.code}`, '400 invalid_request', body.slice(0, 40));
+  }
+});
+
 test('body missing', async () => {
   await refused(json({ method: 'advancing-front' }), 400, 'invalid_request', 'cloud_id', null, /POST \/v1\/clouds/);
   const form = new FormData();
