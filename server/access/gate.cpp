@@ -105,8 +105,8 @@ std::optional<Response> Gate::refuse(Request& request, std::string_view route) {
   request.remote_address = client_address(request, rules_.trusted_proxies);
   if (is_open(request, route)) return std::nullopt;
   if (!rules_.keys.empty()) return check_key(request, route);
-  if (rules_.requests_per_minute == 0 || is_loopback(request.remote_address)) return std::nullopt;
-  return check_pace(request, request.remote_address, rules_.requests_per_minute);
+  if (is_loopback(request.remote_address)) return std::nullopt;
+  return check_pace(request, route, request.remote_address, rules_.requests_per_minute, rules_.submissions_per_minute);
 }
 
 std::optional<Response> Gate::check_key(Request& request, std::string_view route) {
@@ -122,19 +122,29 @@ std::optional<Response> Gate::check_key(Request& request, std::string_view route
     return response;
   }
   request.caller = {key->id, key->scopes.admin};
-  if (auto slower = check_pace(request, key->id, key->quota.requests_per_minute)) return slower;
+  const Quota& quota = key->quota;
+  auto slower = check_pace(request, route, key->id, quota.requests_per_minute, quota.submissions_per_minute);
+  if (slower) return slower;
   if (const auto error = check_scope(request, *key)) return http::problem_response(*error, request);
   if (const auto error = check_owner(request, route)) return http::problem_response(*error, request);
   if (const auto error = check_quota(request, *key, route)) return http::problem_response(*error, request);
   return std::nullopt;
 }
 
-std::optional<Response> Gate::check_pace(const Request& request, std::string_view client, std::uint64_t per_minute) {
+std::optional<Response> Gate::check_pace(const Request& request, std::string_view route, const std::string& client,
+                                         std::uint64_t requests, std::uint64_t submissions) {
+  if (auto slower = count(request, client, "requests", requests)) return slower;
+  if (!takes_space(request, route)) return std::nullopt;
+  return count(request, "submissions of " + client, "submissions (clouds, uploads and jobs)", submissions);
+}
+
+std::optional<Response> Gate::count(const Request& request, const std::string& client, const char* what,
+                                    std::uint64_t per_minute) {
   if (per_minute == 0) return std::nullopt;
   const auto wait = pace_.take(client, per_minute, std::chrono::steady_clock::now());
   if (!wait) return std::nullopt;
   Response response = http::problem_response(
-      {ErrorCode::too_many_requests, "the limit is " + std::to_string(per_minute) + " requests a minute"}, request);
+      {ErrorCode::too_many_requests, "the limit is " + std::to_string(per_minute) + " " + what + " a minute"}, request);
   response.headers.set("Retry-After", std::to_string(wait->count()));
   return response;
 }

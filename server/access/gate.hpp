@@ -22,6 +22,8 @@ struct GateRules {
   std::filesystem::path keys;
   /// Requests a minute of a client without a key, by address; 0 for no limit. Loopback has none.
   std::uint64_t requests_per_minute = 0;
+  /// Of these, clouds, uploads and jobs that are sent; 0 for no limit of their own.
+  std::uint64_t submissions_per_minute = 0;
   /// Addresses whose X-Forwarded-For is believed.
   std::vector<std::string> trusted_proxies;
   /// Origins whose pages may call; `*` for all. Empty: none.
@@ -46,8 +48,12 @@ class Gate final : public http::Gate {
   /// The keys as they are in the file; looked at again when it has changed.
   std::shared_ptr<const KeyRing> ring();
   std::optional<http::Response> check_key(http::Request& request, std::string_view route);
-  std::optional<http::Response> check_pace(const http::Request& request, std::string_view client,
-                                           std::uint64_t per_minute);
+  /// Counts the request, and once more if it sends something.
+  std::optional<http::Response> check_pace(const http::Request& request, std::string_view route,
+                                           const std::string& client, std::uint64_t requests,
+                                           std::uint64_t submissions);
+  std::optional<http::Response> count(const http::Request& request, const std::string& client, const char* what,
+                                      std::uint64_t per_minute);
   std::optional<Error> check_scope(const http::Request& request, const Key& key) const;
   std::optional<Error> check_quota(const http::Request& request, const Key& key, std::string_view route);
   std::optional<Error> check_owner(const http::Request& request, std::string_view route);

@@ -32,6 +32,7 @@ Json key_json(const Key& key) {
           {"secret_sha256", key.secret_sha256},
           {"scopes", names_of(key.scopes)},
           {"requests_per_minute", key.quota.requests_per_minute},
+          {"submissions_per_minute", key.quota.submissions_per_minute},
           {"active_jobs", key.quota.active_jobs},
           {"stored_bytes", key.quota.stored_bytes}};
 }
@@ -41,13 +42,14 @@ Result<Key> key_in(const Json& json) {
   for (const Json& scope : json.at("scopes")) list += (list.empty() ? "" : ",") + scope.get<std::string>();
   const auto scopes = scopes_named(list);
   if (!scopes) return scopes.error();
-  return Key{json.at("id").get<std::string>(),
-             json.at("name").get<std::string>(),
-             json.value("created_at", ""),
-             json.at("secret_sha256").get<std::string>(),
-             *scopes,
-             {json.value("requests_per_minute", std::uint64_t{0}), json.value("active_jobs", std::uint64_t{0}),
-              json.value("stored_bytes", std::uint64_t{0})}};
+  return Key{
+      json.at("id").get<std::string>(),
+      json.at("name").get<std::string>(),
+      json.value("created_at", ""),
+      json.at("secret_sha256").get<std::string>(),
+      *scopes,
+      {json.value("requests_per_minute", std::uint64_t{0}), json.value("submissions_per_minute", std::uint64_t{0}),
+       json.value("active_jobs", std::uint64_t{0}), json.value("stored_bytes", std::uint64_t{0})}};
 }
 
 }  // namespace

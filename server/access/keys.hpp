@@ -29,6 +29,8 @@ std::vector<std::string> names_of(const Scopes& scopes);
 /// What a key may use; 0 for no limit.
 struct Quota {
   std::uint64_t requests_per_minute = 0;
+  /// Of these, clouds, uploads and jobs that are sent.
+  std::uint64_t submissions_per_minute = 0;
   /// Jobs that wait or run.
   std::uint64_t active_jobs = 0;
   /// Bytes of clouds and outputs.

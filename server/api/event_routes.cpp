@@ -12,7 +12,14 @@ using http::Response;
 /// The log grows without anybody saying so.
 constexpr std::chrono::milliseconds kLookAtLog{2'000};
 
-Response get_events(const Request& request, JobService& service, JobLooks& looks) {
+/// A stream's place among all of them, which may outlive the routes.
+struct Seat {
+  std::shared_ptr<http::Places> places;
+  http::Places::Place place;
+};
+
+Response get_events(const Request& request, JobService& service, JobLooks& looks,
+                    const std::shared_ptr<http::Places>& places) {
   const std::string& id = request.path_parts.at("id");
   const auto job = service.find(id);
   if (!job) return problem_response(job.error(), request);
@@ -25,6 +32,9 @@ Response get_events(const Request& request, JobService& service, JobLooks& looks
     response.status = 204;
     return response;
   }
+  auto place = places->take(request.caller.id.empty() ? request.remote_address : request.caller.id);
+  if (!place) return problem_response(place.error(), request);
+  const auto seat = std::make_shared<Seat>(Seat{places, std::move(*place)});
   response.headers.add("X-Accel-Buffering", "no");
   response.content_type = "text/event-stream";
   const auto look = looks.at(id);
@@ -32,17 +42,18 @@ Response get_events(const Request& request, JobService& service, JobLooks& looks
   auto feed = std::make_shared<http::Feed>();
   feed->interval = kLookAtLog;
   feed->subscribe = [&service, id](std::function<void()> wake) { return service.watch(id, std::move(wake)); };
-  feed->next = [stream](bool last) { return stream->next(last); };
+  feed->next = [stream, seat](bool last) { return stream->next(last); };
   response.feed = std::move(feed);
   return response;
 }
 
 }  // namespace
 
-void add_event_routes(http::Router& router, JobService& service) {
+void add_event_routes(http::Router& router, JobService& service, const RouteOptions& options) {
   const auto looks = std::make_shared<JobLooks>(service);
-  router.add("GET", "/v1/jobs/{id}/events",
-             [&service, looks](Request& request) { return get_events(request, service, *looks); });
+  router.add("GET", "/v1/jobs/{id}/events", [&service, looks, streams = options.streams](Request& request) {
+    return get_events(request, service, *looks, streams);
+  });
 }
 
 }  // namespace surfaced::api

@@ -91,7 +91,7 @@ void add_routes(http::Router& router, JobService& service, CloudService& clouds,
                 const RouteOptions& options) {
   add_submit_routes(router, service, options);
   add_job_routes(router, service);
-  add_event_routes(router, service);
+  add_event_routes(router, service, options);
   add_ogc_routes(router, service, options);
   add_cloud_routes(router, service, clouds);
   add_upload_routes(router, service, clouds, uploads, options.body_bytes);

@@ -117,10 +117,10 @@ Result<std::optional<Job>> JobService::made_before(const RequestMark& mark, cons
   return std::optional(std::move(*job));
 }
 
-Result<Output> JobService::make_output(const Job& job, const std::string& mesh) {
+Result<std::shared_ptr<const Renditions::Order>> JobService::order_output(const Job& job, const std::string& mesh) {
   const auto kinds = mesh_kinds();
   const auto kind = std::ranges::find(kinds, mesh, &OutputKind::name);
-  return renditions_.make(job, mesh, static_cast<std::uint32_t>(kind - kinds.begin()));
+  return renditions_.order(job, mesh, static_cast<std::uint32_t>(kind - kinds.begin()));
 }
 
 Result<JobService::Removal> JobService::dismiss(std::string_view id) {

@@ -92,8 +92,12 @@ class JobService {
     return jobs_.list(filter, limit, before);
   }
 
-  /// Makes the mesh of a successful job in another format; as Renditions.
-  Result<Output> make_output(const Job& job, const std::string& mesh);
+  /// Has the mesh of a successful job made in another format, and what becomes of it; as Renditions.
+  Result<std::shared_ptr<const Renditions::Order>> order_output(const Job& job, const std::string& mesh);
+  std::optional<Result<Output>> made(const Renditions::Order& order) { return renditions_.made(order); }
+  std::shared_ptr<void> watch(const Renditions::Order& order, std::function<void()> wake) {
+    return renditions_.watch(order, std::move(wake));
+  }
 
   struct Removal {
     /// As it is after a dismissal, as it was before a removal.

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
 
 #include "api/job_json.hpp"
 #include "api/outputs.hpp"
@@ -16,10 +19,13 @@ using http::Response;
 /// The mesh in the format that Accept chooses.
 constexpr std::string_view kAnyMesh = "mesh";
 
-/// The output of this name, made now if it is a mesh in a format that nobody has asked for yet; or why there is none.
-Result<Output> find_output(const Job& job, const std::string& name, JobService& service) {
+/// How long a request waits for a mesh that is made in another format.
+constexpr std::chrono::seconds kPatience{120};
+
+/// The output of this name; none if it is a mesh in a format that nobody has asked for yet; or why there is none.
+Result<std::optional<Output>> find_output(const Job& job, const std::string& name) {
   const auto found = std::ranges::find(job.outputs, name, &Output::name);
-  if (found != job.outputs.end()) return *found;
+  if (found != job.outputs.end()) return std::optional(*found);
   const std::string subject = "job " + job.id + " is " + std::string(name_of(job.status));
   if (media_type_of(name).empty()) {
     return with_fault({ErrorCode::output_not_found, "no job has an output '" + name + "'"},
@@ -27,7 +33,7 @@ Result<Output> find_output(const Job& job, const std::string& name, JobService& 
   }
   if (!ended(job.status)) return Error{ErrorCode::not_finished, subject + " and has no " + name + " yet"};
   if (job.status != JobStatus::successful) return Error{ErrorCode::job_not_successful, subject + " and has no " + name};
-  if (is_mesh(name)) return service.make_output(job, name);
+  if (is_mesh(name)) return std::optional<Output>();
   std::string made;
   for (const Output& output : job.outputs) made += (made.empty() ? "" : ", ") + output.name;
   return with_fault({ErrorCode::output_not_found, "job " + job.id + " has no " + name + "; it made " + made},
@@ -43,23 +49,50 @@ Result<std::string> wanted_name(const Request& request, const Job& job) {
   return negotiate_mesh(request.headers.find("Accept"), made);
 }
 
+Response output_response(const Request& request, const Job& job, const std::string& name, const Output& output,
+                         JobService& service) {
+  auto body = service.open_output(job, output);
+  if (!body) return problem_response(body.error(), request);
+  Response response = http::conditional_response(request, "\"" + output.sha256 + "\"", std::string(media_type_of(name)),
+                                                 std::move(*body));
+  if (response.status < 400) response.headers.add("Repr-Digest", http::digest_field(output.sha256));
+  if (name != request.path_parts.at("name")) {
+    response.headers.add("Vary", "Accept");
+    response.headers.add("Content-Location", output_path(job.id, name));
+  }
+  return response;
+}
+
+/// The answer once the mesh is made in this format.
+Response when_made(const Request& request, const Job& job, const std::string& name, JobService& service) {
+  const auto ordered = service.order_output(job, name);
+  if (!ordered) return problem_response(ordered.error(), request);
+  const auto order = *ordered;
+  Request asked = request;
+  asked.body = nullptr;
+  auto later = std::make_shared<http::Later>();
+  later->deadline = std::chrono::steady_clock::now() + kPatience;
+  later->subscribe = [&service, order](std::function<void()> wake) { return service.watch(*order, std::move(wake)); };
+  later->look = [&service, order, job, asked = std::move(asked)](bool last) -> std::optional<Response> {
+    const auto made = service.made(*order);
+    if (made && *made) return output_response(asked, job, order->name, **made, service);
+    if (made) return problem_response(made->error(), asked);
+    if (!last) return std::nullopt;
+    return problem_response({ErrorCode::not_ready, order->name + " of job " + job.id + " is still being made"}, asked);
+  };
+  Response response;
+  response.later = std::move(later);
+  return response;
+}
+
 Response get_output(const Request& request, JobService& service) {
   const auto job = service.find(request.path_parts.at("id"));
   if (!job) return problem_response(job.error(), request);
   const auto name = wanted_name(request, *job);
   if (!name) return problem_response(name.error(), request);
-  const auto output = find_output(*job, *name, service);
+  const auto output = find_output(*job, *name);
   if (!output) return problem_response(output.error(), request);
-  auto body = service.open_output(*job, *output);
-  if (!body) return problem_response(body.error(), request);
-  Response response = http::conditional_response(request, "\"" + output->sha256 + "\"",
-                                                 std::string(media_type_of(*name)), std::move(*body));
-  if (response.status < 400) response.headers.add("Repr-Digest", http::digest_field(output->sha256));
-  if (*name != request.path_parts.at("name")) {
-    response.headers.add("Vary", "Accept");
-    response.headers.add("Content-Location", output_path(job->id, *name));
-  }
-  return response;
+  return *output ? output_response(request, *job, *name, **output, service) : when_made(request, *job, *name, service);
 }
 
 }  // namespace

@@ -2,10 +2,12 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "api/job_service.hpp"
 #include "api/submission.hpp"
+#include "http/places.hpp"
 #include "http/router.hpp"
 #include "uploads/upload_store.hpp"
 #include "webhooks/delivery_store.hpp"
@@ -18,6 +20,8 @@ struct RouteOptions {
   SubmissionRules rules;
   /// Bytes of a cloud.
   std::uint64_t body_bytes = 0;
+  /// Event streams at once; those of all jobs share them.
+  std::shared_ptr<http::Places> streams;
   /// Text of /metrics.
   std::function<std::string()> metrics;
 };
@@ -29,7 +33,7 @@ void add_routes(http::Router& router, JobService& service, CloudService& clouds,
 void add_submit_routes(http::Router& router, JobService& service, const RouteOptions& options);
 void add_ogc_routes(http::Router& router, JobService& service, const RouteOptions& options);
 void add_delivery_routes(http::Router& router, JobService& service, DeliveryStore& deliveries);
-void add_event_routes(http::Router& router, JobService& service);
+void add_event_routes(http::Router& router, JobService& service, const RouteOptions& options);
 void add_job_routes(http::Router& router, JobService& service);
 void add_upload_routes(http::Router& router, JobService& service, CloudService& clouds, UploadStore& store,
                        std::uint64_t most_bytes);

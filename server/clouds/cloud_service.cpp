@@ -23,4 +23,13 @@ Status CloudService::remove(std::string_view id, std::optional<std::string_view>
   return Done{};
 }
 
+Result<std::size_t> CloudService::expire(std::chrono::seconds unused) {
+  const std::scoped_lock lock(mutex_);
+  auto gone = clouds_.expire(unused);
+  if (!gone) return gone.error();
+  const std::size_t count = gone->size();
+  artifacts_.remove({std::move(*gone), {}});
+  return count;
+}
+
 }  // namespace surfaced

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -22,6 +23,9 @@ class CloudService {
   Result<Cloud> find(std::string_view id, std::optional<std::string_view> owner) { return clouds_.find(id, owner); }
 
   Status remove(std::string_view id, std::optional<std::string_view> owner);
+
+  /// Removes clouds that nobody has sent and no job has used for this long; returns how many.
+  Result<std::size_t> expire(std::chrono::seconds unused);
 
  private:
   CloudStore& clouds_;

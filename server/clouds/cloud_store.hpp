@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -58,6 +59,10 @@ class CloudStore {
   /// @return true if the cloud's file is to be removed; cloud_not_found, or cloud_in_use naming a job of his (the
   ///         last owner: of anybody) that was not removed.
   virtual Result<bool> remove(std::string_view id, std::optional<std::string_view> owner) = 0;
+
+  /// Removes the clouds that no job refers to and that nobody has sent or named in a job for this long.
+  /// @return their ids, a bounded number; their files are to be removed.
+  virtual Result<std::vector<std::string>> expire(std::chrono::seconds unused) = 0;
 
   /// A cloud that no child has read yet.
   virtual Result<std::optional<std::string>> next_to_inspect() = 0;

@@ -69,7 +69,9 @@ class SqliteCloudStore final : public CloudStore {
     return locked([&]() -> Result<Added> {
       const std::string created = to_rfc3339(now());
       Transaction transaction(database_, Transaction::Kind::write);
-      Query(database_, "INSERT OR IGNORE INTO clouds (id, bytes, status, created_at) VALUES (?, ?, 'inspecting', ?)")
+      Query(database_,
+            "INSERT INTO clouds (id, bytes, status, created_at, used_at) VALUES (?1, ?2, 'inspecting', ?3, ?3) "
+            "ON CONFLICT (id) DO UPDATE SET used_at = excluded.used_at")
           .bind(input.sha256)
           .bind(static_cast<std::int64_t>(input.bytes))
           .bind(created)
@@ -112,6 +114,24 @@ class SqliteCloudStore final : public CloudStore {
       }
       transaction.commit();
       return last;
+    });
+  }
+
+  Result<std::vector<std::string>> expire(std::chrono::seconds unused) override {
+    return locked([&]() -> Result<std::vector<std::string>> {
+      const std::string limit = to_rfc3339(now() - unused);
+      Transaction transaction(database_, Transaction::Kind::write);
+      std::vector<std::string> ids;
+      {
+        Query query(database_,
+                    "SELECT id FROM clouds WHERE used_at <= ? AND NOT EXISTS "
+                    "(SELECT 1 FROM jobs WHERE input_key = clouds.id AND removed_at IS NULL) LIMIT 1000");
+        query.bind(limit);
+        while (query.step()) ids.push_back(query.text(0));
+      }
+      for (const std::string& id : ids) Query(database_, "DELETE FROM clouds WHERE id = ?").bind(id).run();
+      transaction.commit();
+      return ids;
     });
   }
 

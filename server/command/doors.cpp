@@ -77,13 +77,15 @@ Doors::Doors(const Ground& ground, const Settings& settings, std::unique_ptr<Clo
       clouds_(*cloud_store_, ground.artifacts, inspector_),
       renditions_(ground.jobs, ground.artifacts, converting_),
       service_(ground.jobs, ground.artifacts, clouds_, renditions_, ground.events, ground.scheduler),
-      gate_({settings.keys, settings.rate_limit, api::split_list(settings.trusted_proxies),
-             api::split_list(settings.cors_origins)},
+      gate_({settings.keys, settings.rate_limit, settings.submission_rate_limit,
+             api::split_list(settings.trusted_proxies), api::split_list(settings.cors_origins)},
             ground.jobs, *uploads_) {}
 
 void Doors::hang(http::Router& router, std::function<std::string()> metrics) {
   const api::SubmissionRules rules{std::chrono::seconds(settings_.ttl), webhooks_ != nullptr};
-  const api::RouteOptions options{std::chrono::seconds(settings_.wait_limit), rules, settings_.body_limit,
+  const auto streams =
+      std::make_shared<http::Places>("event streams are open", settings_.streams, settings_.streams_per_client);
+  const api::RouteOptions options{std::chrono::seconds(settings_.wait_limit), rules, settings_.body_limit, streams,
                                   std::move(metrics)};
   router.guard(gate_);
   api::add_routes(router, service_, clouds_, *uploads_, options);
@@ -92,10 +94,17 @@ void Doors::hang(http::Router& router, std::function<std::string()> metrics) {
 
 void Doors::start() {
   inspector_.start();
+  renditions_.start();
   if (webhooks_) webhooks_->start();
 }
 
-void Doors::sweep() { uploads_->expire(); }
+void Doors::sweep() {
+  uploads_->expire();
+  if (settings_.cloud_time == 0) return;
+  const auto removed = clouds_.expire(std::chrono::seconds(settings_.cloud_time));
+  if (!removed) log(LogLevel::error, "cannot remove clouds that nobody uses", {{"detail", removed.error().detail}});
+  if (removed && *removed > 0) log(LogLevel::info, "removed clouds that nobody uses", {{"clouds", *removed}});
+}
 
 void Doors::stop() {
   renditions_.stop();

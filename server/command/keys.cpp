@@ -72,6 +72,9 @@ void add_keys(CLI::App& app, Run& run) {
   add->add_option("--name", options->name, "For people")->required();
   add->add_option("--scopes", options->scopes, "Of read, submit, admin")->capture_default_str();
   add->add_option("--requests-per-minute", options->quota.requests_per_minute, "0: no limit")->capture_default_str();
+  add->add_option("--submissions-per-minute", options->quota.submissions_per_minute,
+                  "Clouds, uploads and jobs that are sent; 0: no limit")
+      ->capture_default_str();
   add->add_option("--active-jobs", options->quota.active_jobs, "Jobs that wait or run; 0: no limit")
       ->capture_default_str();
   add->add_option("--stored-bytes", options->quota.stored_bytes, "Of clouds and outputs; 0: no limit")

@@ -41,6 +41,8 @@ struct Settings {
   std::uint64_t http_threads = 64;
   std::uint64_t bodies = 48;
   std::uint64_t bodies_per_client = 16;
+  std::uint64_t streams = 1500;
+  std::uint64_t streams_per_client = 100;
 
   std::uint64_t drain_time = 5;
   std::uint64_t drain_delay = 0;
@@ -52,11 +54,13 @@ struct Settings {
   std::filesystem::path keys;
   std::string allow_anonymous = "no";
   std::uint64_t rate_limit = 600;
+  std::uint64_t submission_rate_limit = 120;
   /// Separated by commas.
   std::string cors_origins;
   /// Separated by commas.
   std::string trusted_proxies;
   std::uint64_t upload_time = std::uint64_t{24} * 3600;
+  std::uint64_t cloud_time = std::uint64_t{30} * 24 * 3600;
   /// Empty: no webhooks.
   std::filesystem::path webhook_secret;
   std::string webhook_private = "no";

@@ -73,7 +73,7 @@ class GuardedStream final : public httplib::Stream {
 class GuardedBody final : public BodySource {
  public:
   GuardedBody(Connection& connection, GuardedStream& stream, const RequestHead& head, std::uint64_t limit,
-              BodyPlaces& places)
+              Places& places)
       : connection_(connection), stream_(stream), head_(head), limit_(limit), places_(places) {}
 
   bool present() const override { return !std::holds_alternative<NoBody>(head_.framing); }
@@ -89,7 +89,7 @@ class GuardedBody final : public BodySource {
     if (length().value_or(0) > limit_) return too_large("Content-Length is " + std::to_string(*length()));
     if (!present() || reader_ == nullptr) return Done{};
     // What is here already takes nobody's time.
-    std::optional<Result<BodyPlaces::Place>> place;
+    std::optional<Result<Places::Place>> place;
     if (!length() || *length() > connection_.buffered()) place.emplace(places_.take(connection_.remote_address()));
     if (place && !place->ok()) return place->error();
     connection_.begin_transfer();
@@ -123,7 +123,7 @@ class GuardedBody final : public BodySource {
   GuardedStream& stream_;
   const RequestHead& head_;
   const std::uint64_t limit_;
-  BodyPlaces& places_;
+  Places& places_;
   const httplib::ContentReader* reader_ = nullptr;
 };
 
@@ -236,7 +236,7 @@ class Engine::Library final : public httplib::Server {
   }
 };
 
-Engine::Engine(const Router& router, std::uint64_t body_limit, BodyPlaces& places)
+Engine::Engine(const Router& router, std::uint64_t body_limit, Places& places)
     : router_(router), body_limit_(body_limit), places_(places), library_(std::make_unique<Library>()) {}
 
 Engine::~Engine() = default;

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/base.hpp"
-#include "http/body_places.hpp"
 #include "http/connection.hpp"
+#include "http/places.hpp"
 #include "http/request_head.hpp"
 #include "http/router.hpp"
 
@@ -64,7 +64,7 @@ class Engine {
  public:
   /// @param body_limit  decoded bytes of a request's body
   /// @param places      for bodies that are on their way
-  Engine(const Router& router, std::uint64_t body_limit, BodyPlaces& places);
+  Engine(const Router& router, std::uint64_t body_limit, Places& places);
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
@@ -80,7 +80,7 @@ class Engine {
   class Library;
   const Router& router_;
   const std::uint64_t body_limit_;
-  BodyPlaces& places_;
+  Places& places_;
   std::unique_ptr<Library> library_;
 };
 

@@ -90,7 +90,7 @@ Server::Server(UniqueFd listener, const ServerLimits& limits, const Router& rout
     : limits_(limits),
       observer_(std::move(observer)),
       tls_(tls),
-      places_(limits.bodies, limits.bodies_per_address),
+      places_("bodies are being received", limits.bodies, limits.bodies_per_address),
       engine_(router, limits.body_bytes, places_),
       listener_(std::move(listener)),
       lobby_(listener_.get(), {limits.connection, limits.connections, limits.requests, tls},

@@ -87,7 +87,7 @@ class Server {
   const ServerLimits limits_;
   const Observer observer_;
   const Tls* const tls_;
-  BodyPlaces places_;
+  Places places_;
   Engine engine_;
   UniqueFd listener_;
   Lobby lobby_;

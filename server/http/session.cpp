@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kSendBytes = std::size_t{64} << 10;
 /// What one connection may write before another one has its turn.
-constexpr std::uint64_t kTurnBytes = std::uint64_t{1} << 20;
+constexpr std::uint64_t kTurnBytes = std::uint64_t{256} << 10;
 
 }  // namespace
 

@@ -6,7 +6,7 @@ namespace surfaced {
 namespace {
 
 constexpr std::size_t kAtOnce = 2;
-constexpr std::chrono::seconds kPatience{30};
+constexpr std::size_t kMostWaiting = 200;
 /// Claims of attempts stay below.
 constexpr std::uint32_t kFirstNumber = 0x8000'0000U;
 constexpr const char* kReport = "report.json";
@@ -28,28 +28,66 @@ std::string report_text(ArtifactStore& artifacts, const Job& job) {
   return count && *count == text.size() ? text : std::string();
 }
 
+std::string entry_of(const std::string& job, const std::string& name) { return job + "/" + name; }
+
 }  // namespace
 
-Result<Output> Renditions::make(const Job& job, const std::string& name, std::uint32_t number) {
-  const std::string entry = job.id + "/" + name;
-  {
-    std::unique_lock lock(mutex_);
-    const auto free = [&] { return stop_.why() || (running_.size() < kAtOnce && !running_.contains(entry)); };
-    if (!changed_.wait_for(lock, kPatience, free) || stop_.why()) {
-      return Error{ErrorCode::not_ready, "the server makes " + std::to_string(kAtOnce) +
-                                             " other formats of meshes at once, and none of them has ended in " +
-                                             std::to_string(kPatience.count()) + " s"};
-    }
-    running_.insert(entry);
-  }
-  auto output = make_alone(job.id, name, number);
-  const std::scoped_lock lock(mutex_);
-  running_.erase(entry);
-  changed_.notify_all();
-  return output;
+void Renditions::start() {
+  for (std::size_t i = 0; i < kAtOnce; ++i) threads_.emplace_back([this] { work(); });
 }
 
-Result<Output> Renditions::make_alone(const std::string& id, const std::string& name, std::uint32_t number) {
+Result<std::shared_ptr<const Renditions::Order>> Renditions::order(const Job& job, const std::string& name,
+                                                                   std::uint32_t number) {
+  const std::scoped_lock lock(mutex_);
+  if (stop_.why()) return Error{ErrorCode::not_ready, "the server is stopping"};
+  const std::string entry = entry_of(job.id, name);
+  const auto found = orders_.find(entry);
+  if (found != orders_.end()) return std::shared_ptr<const Order>(found->second);
+  if (waiting_.size() >= kMostWaiting) {
+    return Error{ErrorCode::not_ready, std::to_string(waiting_.size()) +
+                                           " meshes wait to be made in another format, the limit is " +
+                                           std::to_string(kMostWaiting)};
+  }
+  const auto order = std::make_shared<Order>(Order{job.id, name, number, {}});
+  orders_.emplace(entry, order);
+  waiting_.push_back(order);
+  changed_.notify_one();
+  return std::shared_ptr<const Order>(order);
+}
+
+std::optional<Result<Output>> Renditions::made(const Order& order) {
+  const std::scoped_lock lock(mutex_);
+  return order.result;
+}
+
+std::shared_ptr<void> Renditions::watch(const Order& order, std::function<void()> wake) {
+  return events_.subscribe(entry_of(order.job, order.name), std::move(wake));
+}
+
+std::shared_ptr<Renditions::Order> Renditions::next() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return stop_.why() || !waiting_.empty(); });
+  if (stop_.why()) return nullptr;
+  auto order = std::move(waiting_.front());
+  waiting_.pop_front();
+  return order;
+}
+
+void Renditions::work() {
+  while (const auto order = next()) {
+    auto result = make(*order);
+    const std::string entry = entry_of(order->job, order->name);
+    {
+      const std::scoped_lock lock(mutex_);
+      order->result.emplace(std::move(result));
+      orders_.erase(entry);
+    }
+    events_.changed(entry);
+  }
+}
+
+Result<Output> Renditions::make(const Order& order) {
+  const auto& [id, name, number, none] = order;
   const auto job = jobs_.find(id);
   if (!job) return job.error();
   if (const Output* const made = output_of(*job, name)) return *made;
@@ -69,9 +107,13 @@ Result<Output> Renditions::make_alone(const std::string& id, const std::string& 
 }
 
 void Renditions::stop() {
-  stop_.stop(Outcome::drained);
-  const std::scoped_lock lock(mutex_);
-  changed_.notify_all();
+  {
+    const std::scoped_lock lock(mutex_);
+    stop_.stop(Outcome::drained);
+    changed_.notify_all();
+  }
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
 }
 
 }  // namespace surfaced

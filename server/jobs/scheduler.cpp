@@ -165,7 +165,6 @@ AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& st
   log->line("job " + claim.job + " attempt " + std::to_string(claim.attempt) + " request " + claimed.job.request_id);
   log->line("method " + claimed.job.method + " " + claimed.job.parameters.dump());
   log->line("input " + std::to_string(claimed.job.input.bytes) + " bytes, sha256 " + claimed.job.input.sha256);
-  if (!claimed.job.traceparent.empty()) log->line("traceparent " + claimed.job.traceparent);
   const AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters,  *cloud,
                          *directory, claimed.job.wanted.front(), points_of(claimed.job),  options_.limits,
                          ::getpid(), claimed.job.traceparent,    more_meshes(claimed.job)};

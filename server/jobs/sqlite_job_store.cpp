@@ -2,6 +2,7 @@
 
 #include <sqlite3.h>
 
+#include <condition_variable>
 #include <mutex>
 #include <unordered_map>
 #include <utility>
@@ -30,6 +31,28 @@ struct Heard {
   std::chrono::steady_clock::time_point when;
 };
 
+/// A mutex that is waited for no longer than one likes. Not std::timed_mutex: the thread sanitizer of GCC 12 does not
+/// know pthread_mutex_clocklock and would be blind to everything under it.
+class PatientMutex {
+ public:
+  bool try_lock_for(std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    if (!free_.wait_for(lock, patience, [&] { return !taken_; })) return false;
+    taken_ = true;
+    return true;
+  }
+  void unlock() {
+    const std::scoped_lock lock(mutex_);
+    taken_ = false;
+    free_.notify_one();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable free_;
+  bool taken_ = false;
+};
+
 /// One connection writes, another reads, each under its own mutex: a read never waits for the disk.
 class SqliteJobStore final : public JobStore {
  public:
@@ -43,7 +66,7 @@ class SqliteJobStore final : public JobStore {
       const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
       if (Status room = room_in(writer_); !room.ok()) return room.error();
-      if (job.of_stored_cloud() && !has_cloud(writer_, job.input.key)) {
+      if (job.of_stored_cloud() && !use_cloud(writer_, job.input.key, now())) {
         return Error{ErrorCode::cloud_not_found, "the cloud '" + job.input.key + "' was deleted meanwhile"};
       }
       insert_job(writer_, job, now());
@@ -283,7 +306,7 @@ class SqliteJobStore final : public JobStore {
 
  private:
   /// Whoever holds it may itself wait for another process: nobody behind waits longer than that.
-  std::unique_lock<std::timed_mutex> lock_writer() {
+  std::unique_lock<PatientMutex> lock_writer() {
     std::unique_lock lock(write_mutex_, limits_.patience);
     if (!lock) {
       throw SqliteError(SQLITE_BUSY, "the job store is busy since " + std::to_string(limits_.patience.count()) + " ms");
@@ -340,7 +363,7 @@ class SqliteJobStore final : public JobStore {
   }
 
   const JobStoreLimits limits_;
-  std::timed_mutex write_mutex_;
+  PatientMutex write_mutex_;
   std::mutex read_mutex_;
   std::mutex progress_mutex_;
   Database writer_;

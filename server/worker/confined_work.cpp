@@ -33,6 +33,7 @@ int run_confined(const std::string& description, const std::function<Status(cons
     const auto confined = confine_this_process(*spec);
     if (!confined) return give_up(confined.error());
     std::cerr << "confined by " << *confined << std::endl;
+    if (!spec->traceparent.empty()) std::cerr << "traceparent " << spec->traceparent << std::endl;
     const Status done = work(*spec);
     return done ? 0 : give_up(done.error());
   } catch (const std::bad_alloc&) {

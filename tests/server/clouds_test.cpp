@@ -74,6 +74,19 @@ TEST_F(CloudsTest, a_cloud_stays_while_a_job_uses_it_and_is_no_garbage_of_the_jo
   EXPECT_EQ(jobs_->submit(late).error().code, ErrorCode::cloud_not_found);
 }
 
+TEST_F(CloudsTest, a_cloud_that_nobody_uses_goes_after_its_time_and_one_that_a_job_names_stays) {
+  ASSERT_TRUE(clouds_->add(cloud('d'), "").ok());
+  ASSERT_TRUE(clouds_->add(cloud('e'), "").ok());
+  const Job job = submit(cloud('e'));
+  EXPECT_THAT(clouds_->expire(std::chrono::hours(1)).value(), IsEmpty()) << "both have just been sent";
+  EXPECT_THAT(clouds_->expire(std::chrono::seconds(0)).value(), ElementsAre(std::string(64, 'd')));
+  EXPECT_EQ(clouds_->find(std::string(64, 'd'), std::nullopt).error().code, ErrorCode::cloud_not_found);
+  ASSERT_TRUE(jobs_->dismiss(job.id).ok());
+  ASSERT_TRUE(jobs_->dismiss(job.id).value().removed);
+  EXPECT_THAT(clouds_->expire(std::chrono::hours(1)).value(), IsEmpty()) << "its job has used it";
+  EXPECT_THAT(clouds_->expire(std::chrono::seconds(0)).value(), ElementsAre(std::string(64, 'e')));
+}
+
 TEST_F(CloudsTest, what_a_child_found_is_kept) {
   ASSERT_TRUE(clouds_->add(cloud('c'), "").ok());
   EXPECT_EQ(clouds_->next_to_inspect().value(), std::string(64, 'c'));

@@ -23,12 +23,13 @@ class KeysTest : public ::testing::Test {
 
 TEST_F(KeysTest, a_key_is_known_by_its_text_and_by_nothing_else) {
   KeyRing ring;
-  const std::string text = ring.add("ci", scopes_named("read,submit").value(), {10, 2, 1000});
+  const std::string text = ring.add("ci", scopes_named("read,submit").value(), {10, 5, 2, 1000});
   ASSERT_TRUE(ring.save(file()).ok());
   const KeyRing loaded = KeyRing::load(file()).value();
   const Key* const key = loaded.find(text);
   ASSERT_NE(key, nullptr);
   EXPECT_EQ(key->name, "ci");
+  EXPECT_EQ(key->quota.submissions_per_minute, 5U);
   EXPECT_EQ(key->quota.active_jobs, 2U);
   EXPECT_THAT(names_of(key->scopes), ElementsAre("read", "submit"));
   std::string wrong = text;

@@ -28,7 +28,7 @@ class ServerProcess {
     std::filesystem::create_directories(data);
     const auto out = data.parent_path() / (data.filename().string() + ".stdout");
     std::filesystem::remove(out);
-    std::vector<std::string> command{SURFACED_BINARY, "serve", "--listen", "127.0.0.1:0", "--data", data.string()};
+    std::vector<std::string> command = command_for(data);
     command.insert(command.end(), flags.begin(), flags.end());
     start(command, out, log);
     for (int i = 0; i < 600 && port_ == 0; ++i) {
@@ -47,6 +47,14 @@ class ServerProcess {
   }
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
+
+  /// Starts a server and kills it after this time, whether it listens or not.
+  static void kill_while_it_starts(const std::filesystem::path& data, std::chrono::milliseconds after) {
+    ServerProcess server;
+    server.start(command_for(data), "/dev/null", {});
+    std::this_thread::sleep_for(after);
+    server.end(SIGKILL);
+  }
 
   std::uint16_t port() const { return port_; }
   pid_t pid() const { return pid_; }
@@ -71,6 +79,12 @@ class ServerProcess {
   }
 
  private:
+  ServerProcess() = default;
+
+  static std::vector<std::string> command_for(const std::filesystem::path& data) {
+    return {SURFACED_BINARY, "serve", "--listen", "127.0.0.1:0", "--data", data.string()};
+  }
+
   void start(const std::vector<std::string>& command, const std::filesystem::path& out,
              const std::filesystem::path& log) {
     std::vector<char*> arguments;

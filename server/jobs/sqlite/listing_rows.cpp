@@ -70,10 +70,10 @@ Holding select_holding(Database& database, std::string_view owner) {
   return {static_cast<std::uint64_t>(query.number(0)), static_cast<std::uint64_t>(query.number(1))};
 }
 
-bool has_cloud(Database& database, std::string_view id) {
-  Query query(database, "SELECT 1 FROM clouds WHERE id = ?");
-  query.bind(id);
-  return query.step();
+bool use_cloud(Database& database, std::string_view id, SystemTime time) {
+  const std::string used = to_rfc3339(time);
+  Query(database, "UPDATE clouds SET used_at = ? WHERE id = ?").bind(used).bind(id).run();
+  return database.changes() > 0;
 }
 
 void insert_idempotency(Database& database, const NewJob& job) {

@@ -17,7 +17,8 @@ std::optional<std::string> select_owner(Database& database, std::string_view id)
 
 Holding select_holding(Database& database, std::string_view owner);
 
-bool has_cloud(Database& database, std::string_view id);
+/// Notes that the cloud is used at this time; false if there is no such cloud.
+bool use_cloud(Database& database, std::string_view id, SystemTime time);
 
 void insert_idempotency(Database& database, const NewJob& job);
 std::optional<Replay> select_replay(Database& database, std::string_view owner, std::string_view key);

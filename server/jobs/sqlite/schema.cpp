@@ -124,6 +124,10 @@ END;
     R"sql(
 ALTER TABLE jobs ADD COLUMN presentation TEXT NOT NULL DEFAULT '';
 )sql",
+    R"sql(
+ALTER TABLE clouds ADD COLUMN used_at TEXT NOT NULL DEFAULT '';
+UPDATE clouds SET used_at = strftime('%Y-%m-%dT%H:%M:%fZ', 'now');
+)sql",
 });
 
 }  // namespace

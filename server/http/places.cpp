@@ -1,0 +1,29 @@
+#include "http/places.hpp"
+
+namespace surfaced::http {
+
+Result<Places::Place> Places::take(const std::string& client) {
+  const std::scoped_lock lock(mutex_);
+  if (taken_ >= total_) {
+    return Error{ErrorCode::not_ready,
+                 std::to_string(taken_) + " " + what_ + ", the limit is " + std::to_string(total_)};
+  }
+  const bool loopback = client == "::1" || client.starts_with("127.") || client.starts_with("::ffff:127.");
+  const auto found = by_client_.find(client);
+  if (per_client_ > 0 && !loopback && found != by_client_.end() && found->second >= per_client_) {
+    return Error{ErrorCode::too_many_requests, std::to_string(found->second) + " " + what_ + " for " + client +
+                                                   ", the limit is " + std::to_string(per_client_)};
+  }
+  ++by_client_[client];
+  ++taken_;
+  return Place(this, client);
+}
+
+void Places::leave(const std::string& client) {
+  const std::scoped_lock lock(mutex_);
+  --taken_;
+  const auto found = by_client_.find(client);
+  if (--found->second == 0) by_client_.erase(found);
+}
+
+}  // namespace surfaced::http
