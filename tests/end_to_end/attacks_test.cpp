@@ -146,6 +146,7 @@ TEST_F(AttackTest, json_that_is_deep_or_large_or_wrong_is_refused) {
   EXPECT_EQ(post(std::string(500'000, '[')).status, 400);
   EXPECT_EQ(post("{\"parameters\":" + std::string(200'000, '[') + std::string(200'000, ']') + "}").status, 400);
   EXPECT_EQ(post("\"" + std::string(2'000'000, 'x') + "\"").status, 413);
+  EXPECT_EQ(post("{\"ttl_seconds\":-1e400}").status, 400) << "no double holds it";
   for (int i = 0; i < 50; ++i) {
     const Answer answer = post(R"({"method":"advancing-front","cloud_id":7,"parameters":{"beta":"\ud800"}})");
     EXPECT_EQ(answer.status, 400) << answer.body;
