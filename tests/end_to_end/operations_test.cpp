@@ -116,7 +116,7 @@ TEST_F(OperationsTest, a_public_address_without_keys_is_warned_of_in_the_log) {
 TEST_F(OperationsTest, a_server_that_is_told_to_stop_is_unready_at_once_and_answers_until_its_jobs_have_ended) {
   testing::ServerProcess server(path("data"), {"--drain-time", "60", "--workers", "1"});
   const std::string running = submit(
-      server.port(), testing::binary_ply(testing::random_points(testing::measuring_is_moot() ? 20'000 : 200'000, 1)));
+      server.port(), testing::binary_ply(testing::random_points(testing::measuring_is_moot() ? 20'000 : 100'000, 1)));
   testing::wait_for_start(server.port(), running);
   const std::string waiting = submit(server.port(), cloud_);
   ::kill(server.pid(), SIGTERM);
@@ -137,7 +137,7 @@ TEST_F(OperationsTest, a_job_that_was_given_back_at_a_stop_has_lost_nothing_but_
   std::optional<testing::ServerProcess> server(std::in_place, path("data"),
                                                std::vector<std::string>{"--drain-time", "0"});
   const std::string id = submit(
-      server->port(), testing::binary_ply(testing::random_points(testing::measuring_is_moot() ? 20'000 : 200'000, 1)));
+      server->port(), testing::binary_ply(testing::random_points(testing::measuring_is_moot() ? 20'000 : 100'000, 1)));
   testing::wait_for_start(server->port(), id);
   EXPECT_EQ(server->end(SIGTERM), 0);
   server.emplace(path("data"));
