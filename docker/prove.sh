@@ -13,7 +13,7 @@ tag=localhost/surfaced:proof
 
 fail() { echo "prove: $*" >&2; exit 1; }
 ((EUID == 0)) || fail "run it as root: it makes a root file system and mounts it"
-for tool in mmdebstrap buildah bwrap curl; do
+for tool in mmdebstrap buildah bwrap curl git xz dpkg-shlibdeps; do
   command -v $tool >/dev/null || fail "$tool is missing; ./dev setup proof installs it"
 done
 [[ $compile == yes || -x $binary ]] || fail "$binary is missing; ./dev build makes it"

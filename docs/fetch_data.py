@@ -35,10 +35,14 @@ def fetch(address):
 def points_of_off(data):
     """The points of an OFF, a line each."""
     words = (word for line in data.decode("ascii").splitlines() for word in line.split("#")[0].split())
-    if next(words) != "OFF":
+    if next(words, "") != "OFF":
         raise Wrong("the file does not begin with OFF")
-    count, _, _ = (int(next(words)) for _ in range(3))
-    return "".join(f"{next(words)} {next(words)} {next(words)}\n" for _ in range(count)).encode()
+    try:
+        count = int(next(words))
+        next(words), next(words)
+        return "".join([f"{next(words)} {next(words)} {next(words)}\n" for _ in range(count)]).encode()
+    except (ValueError, StopIteration) as wrong:
+        raise Wrong("the file ends before its points do, or has no number of points; fetch it again") from wrong
 
 
 def take(model, folder):
@@ -46,7 +50,7 @@ def take(model, folder):
     data = path.read_bytes() if path.exists() else fetch(model["address"])
     digest = hashlib.sha256(data).hexdigest()
     if model["sha256"] is not None and digest != model["sha256"]:
-        raise Wrong(f"{model['name']} has SHA-256 {digest}; the manifest says {model['sha256']}: it is not kept")
+        raise Wrong(f"{model['name']} has SHA-256 {digest}; the manifest says {model['sha256']}: it is not kept, and where it is on disk already, delete it")
     path.write_bytes(data)
     if path.suffix == ".off":
         path.with_suffix(".xyz").write_bytes(points_of_off(data))

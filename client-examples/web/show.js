@@ -3,6 +3,9 @@ import { Box3, Color, DirectionalLight, HemisphereLight, PerspectiveCamera, Scen
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 
+/** What is shown in an element, to be let go before the next. */
+const shown = new WeakMap();
+
 /** @param glb  an ArrayBuffer. A mesh that was shown before is replaced. */
 export async function show(element, glb) {
   const { scene: model } = await new GLTFLoader().parseAsync(glb, '');
@@ -18,17 +21,25 @@ export async function show(element, glb) {
   const renderer = new WebGLRenderer({ antialias: true });
   renderer.setPixelRatio(devicePixelRatio);
   renderer.setSize(element.clientWidth, element.clientHeight);
+  shown.get(element)?.();
   element.replaceChildren(renderer.domElement);
   const draw = () => renderer.render(scene, camera);
   const controls = new OrbitControls(camera, renderer.domElement);
   controls.target.copy(center);
   controls.addEventListener('change', draw);
   controls.update();
-  new ResizeObserver(() => {
+  const observer = new ResizeObserver(() => {
     camera.aspect = element.clientWidth / element.clientHeight;
     camera.updateProjectionMatrix();
     renderer.setSize(element.clientWidth, element.clientHeight);
     draw();
-  }).observe(element);
+  });
+  observer.observe(element);
+  shown.set(element, () => {
+    observer.disconnect();
+    controls.dispose();
+    renderer.dispose();
+    renderer.forceContextLoss();
+  });
   draw();
 }

@@ -41,7 +41,7 @@ function run(name, args, url = server.base) {
 
 test('every example is shorter than 150 lines', () => {
   for (const each of readdirSync(examples, { recursive: true }).map(String)) {
-    if (each.includes('node_modules') || each.includes('dist') || each.startsWith('samples') || !/\.(sh|py|ts|cpp|html|mjs)$/.test(each) || each.endsWith('.d.ts')) continue;
+    if (each.includes('node_modules') || each.includes('dist') || each.startsWith('samples') || !/\.(sh|py|ts|cpp|html|m?js)$/.test(each) || each.endsWith('.d.ts')) continue;
     const lines = readFileSync(path.join(examples, each), 'utf8').split('\n').length - 1;
     assert.ok(lines < 150, `${each} has ${lines} lines`);
   }

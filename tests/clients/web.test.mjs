@@ -17,7 +17,8 @@ before(async () => {
   pages = http.createServer((request, response) => {
     const file = path.join(source, 'client-examples/web', path.normalize(new URL(request.url, 'http://x').pathname));
     if (!existsSync(file)) return response.writeHead(404).end();
-    response.writeHead(200, { 'content-type': types[path.extname(file).slice(1)] }).end(readFileSync(file));
+    const bytes = readFileSync(file, 'utf8').replace('name="surfaced-server" content=""', `name="surfaced-server" content="${server.base}"`);
+    response.writeHead(200, { 'content-type': types[path.extname(file).slice(1)] }).end(bytes);
   });
   await new Promise((resolve) => pages.listen(0, '127.0.0.1', resolve));
   pages.url = `http://127.0.0.1:${pages.address().port}`;
@@ -40,7 +41,7 @@ async function open(target) {
   const page = await browser.newPage({ viewport: { width: 640, height: 480 } });
   const wrong = [];
   page.on('pageerror', (error) => wrong.push(error.message));
-  await page.goto(`${pages.url}/index.html?server=${server.base}${target}`);
+  await page.goto(`${pages.url}/index.html${target}`);
   return { page, wrong };
 }
 
