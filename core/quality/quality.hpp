@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -109,6 +110,12 @@ struct SurfaceDistance {
 /// @return  bounds 10 % apart, or further where 60 cuts a triangle did not suffice; 0 and 0 without triangles.
 /// @cost    about 4 us a cut; 50,000 triangles that lie across 270,000 take a million.
 SurfaceDistance surface_distance(const TriangleMesh& from, const SurfaceSearch& to, unsigned threads = 1);
+
+/// Asked every few milliseconds, by any of the threads, whether to go on; told how much is done (0..1).
+using GoOn = std::function<bool(double done)>;
+/// The same; none once it shall not go on.
+std::optional<SurfaceDistance> surface_distance(const TriangleMesh& from, const SurfaceSearch& to, unsigned threads,
+                                                const GoOn& go_on);
 
 /// How thick the body is behind `samples` places spread evenly over the surface of a closed, oriented mesh: from
 /// there against the normal to the next wall. Ascending; fewer than asked for where a ray meets nothing.

@@ -4,6 +4,7 @@
 #include <CGAL/Simple_cartesian.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <queue>
@@ -161,9 +162,30 @@ std::array<Piece, 4> quarters(const SurfaceSearch& search, const Piece& piece, d
   return parts;
 }
 
+/// Thrown out of the loops, also out of tasks.
+struct ShallStop {};
+
+/// Asks now and then whether to go on. One for each thread's piece of work.
+class Asking {
+ public:
+  Asking(const GoOn& go_on, const std::atomic<double>& done) : go_on_(go_on), done_(done) {}
+
+  void tick() {
+    constexpr std::size_t kTicksBetweenQuestions = 256;
+    if (go_on_ && ticks_++ % kTicksBetweenQuestions == 0 && !go_on_(done_.load(std::memory_order_relaxed))) {
+      throw ShallStop{};
+    }
+  }
+
+ private:
+  const GoOn& go_on_;
+  const std::atomic<double>& done_;
+  std::size_t ticks_ = 0;
+};
+
 /// Distances of the vertices that triangles use, each search beginning where the last one ended.
 std::vector<SurfaceSearch::Closest> closest_of_vertices(const TriangleMesh& from, const SurfaceSearch& to,
-                                                        double& lower) {
+                                                        double& lower, Asking asking) {
   std::vector<SurfaceSearch::Closest> closest(from.positions.size());
   std::vector<bool> known(from.positions.size(), false);
   std::size_t hint = 0;
@@ -171,6 +193,7 @@ std::vector<SurfaceSearch::Closest> closest_of_vertices(const TriangleMesh& from
     for (const VertexIndex v : t) {
       if (known[v]) continue;
       known[v] = true;
+      asking.tick();
       closest[v] = to.closest(from.positions[v], hint);
       hint = closest[v].place;
       lower = std::max(lower, closest[v].distance);
@@ -183,11 +206,12 @@ std::vector<SurfaceSearch::Closest> closest_of_vertices(const TriangleMesh& from
 class Bounding {
  public:
   Bounding(const TriangleMesh& from, const SurfaceSearch& to, const std::vector<SurfaceSearch::Closest>& closest,
-           SurfaceDistance known, double least)
-      : from_(from), to_(to), closest_(closest), distance_(known), least_(least) {}
+           SurfaceDistance known, double least, Asking asking)
+      : from_(from), to_(to), closest_(closest), distance_(known), least_(least), asking_(asking) {}
 
   SurfaceDistance run(std::size_t first, std::size_t last) {
     for (std::size_t t = first; t < last; ++t) {
+      asking_.tick();
       const auto& [a, b, c] = from_.triangles[t];
       keep({{from_.positions[a], from_.positions[b], from_.positions[c]}, {closest_[a], closest_[b], closest_[c]}});
     }
@@ -196,6 +220,7 @@ class Bounding {
       const Piece worst = pieces_.top();
       if (worst.upper <= enough()) break;
       pieces_.pop();
+      asking_.tick();
       for (const Piece& part : quarters(to_, worst, distance_.lower)) keep(part);
     }
     if (!pieces_.empty()) distance_.upper = std::max(distance_.upper, pieces_.top().upper);
@@ -223,30 +248,47 @@ class Bounding {
   SurfaceDistance distance_;
   /// What rounding leaves of distances that are 0.
   double least_;
+  Asking asking_;
   std::priority_queue<Piece> pieces_;
 };
 
-}  // namespace
-
-SurfaceDistance surface_distance(const TriangleMesh& from, const SurfaceSearch& to, unsigned threads) {
+SurfaceDistance bounded(const TriangleMesh& from, const SurfaceSearch& to, unsigned threads, const GoOn& go_on) {
   // Blocks do not learn from each other, so the result does not depend on the number of threads.
   constexpr std::size_t kBlock = 2048;
-  if (from.triangles.empty() || to.empty()) return {};
   SurfaceDistance distance;
-  const std::vector<SurfaceSearch::Closest> closest = closest_of_vertices(from, to, distance.lower);
+  std::atomic<double> done = 0;
+  const Asking asking(go_on, done);
+  const std::vector<SurfaceSearch::Closest> closest = closest_of_vertices(from, to, distance.lower, asking);
   double size = 0;
   for (const Point3& p : from.positions) size = std::max({size, std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
   const SurfaceDistance known{distance.lower, distance.lower};
   std::vector<SurfaceDistance> of_block((from.triangles.size() + kBlock - 1) / kBlock);
   parallel_tasks(threads, of_block.size(), [&](std::size_t block) {
     const std::size_t last = std::min((block + 1) * kBlock, from.triangles.size());
-    of_block[block] = Bounding(from, to, closest, known, 1e-12 * size).run(block * kBlock, last);
+    of_block[block] = Bounding(from, to, closest, known, 1e-12 * size, asking).run(block * kBlock, last);
+    done.fetch_add(1 / static_cast<double>(of_block.size()), std::memory_order_relaxed);
   });
   for (const SurfaceDistance& each : of_block) {
     distance.lower = std::max(distance.lower, each.lower);
     distance.upper = std::max(distance.upper, each.upper);
   }
   return distance;
+}
+
+}  // namespace
+
+SurfaceDistance surface_distance(const TriangleMesh& from, const SurfaceSearch& to, unsigned threads) {
+  return *surface_distance(from, to, threads, {});
+}
+
+std::optional<SurfaceDistance> surface_distance(const TriangleMesh& from, const SurfaceSearch& to, unsigned threads,
+                                                const GoOn& go_on) {
+  if (from.triangles.empty() || to.empty()) return SurfaceDistance{};
+  try {
+    return bounded(from, to, threads, go_on);
+  } catch (const ShallStop&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace surfaced

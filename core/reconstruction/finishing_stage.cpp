@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "quality/quality.hpp"
 #include "reconstruction/preparing_stage.hpp"
@@ -13,6 +15,8 @@ namespace {
 
 /// Fewest triangles that a closed body has.
 constexpr int kFewestTriangles = 4;
+/// More than any mesh can have: triangles are numbered by 32 bits.
+constexpr std::uint32_t kMostTriangles = std::numeric_limits<std::uint32_t>::max();
 /// Two lines of the usual nozzle of 0.4 mm: what printers of plastic threads ask of a wall.
 constexpr double kUsualWallInMillimetres = 0.8;
 constexpr std::size_t kWallSamples = 2000;
@@ -20,15 +24,16 @@ constexpr std::size_t kWallSamples = 2000;
 constexpr double kThinShareToWarn = 0.01;
 
 Json simplify_property() {
-  return {{"oneOf",
-           {Json{{"const", "none"}}, Json{{"type", "integer"}, {"minimum", kFewestTriangles}},
-            Json{{"type", "number"}, {"exclusiveMinimum", 0}, {"maximum", 0.5}}}},
-          {"default", "none"},
-          {"title", "Fewer triangles"},
-          {"description",
-           "A whole number from 4 on: so many triangles at most. Up to 0.5: as few as keep every point within this "
-           "fraction of the diagonal of the mesh's bounding box. The report gives the distance in units of the input."},
-          {"x-unit", "triangles or 1"}};
+  return {
+      {"oneOf",
+       {Json{{"const", "none"}}, Json{{"type", "integer"}, {"minimum", kFewestTriangles}, {"maximum", kMostTriangles}},
+        Json{{"type", "number"}, {"exclusiveMinimum", 0}, {"maximum", 0.5}}}},
+      {"default", "none"},
+      {"title", "Fewer triangles"},
+      {"description",
+       "A whole number from 4 on: so many triangles at most. Up to 0.5: as few as keep every point within this "
+       "fraction of the diagonal of the mesh's bounding box. The report gives the distance in units of the input."},
+      {"x-unit", "triangles or 1"}};
 }
 
 Json min_wall_property() {
@@ -76,8 +81,10 @@ Status simplify(Reconstruction& result, const Json& goal, Context& context) {
   const std::size_t vertices_before = result.mesh.positions.size();
   const double number = goal;
   const double diagonal = bounds_of(result.mesh.positions).diagonal();
+  // No more than there are: beyond that a number need not fit an integer.
+  const auto most = static_cast<std::size_t>(std::min(number, static_cast<double>(before)));
   Result<Simplified> simplified = number >= kFewestTriangles
-                                      ? simplified_to(result.mesh, static_cast<std::size_t>(number), context)
+                                      ? simplified_to(result.mesh, most, context)
                                       : simplified_within(result.mesh, number * diagonal, context);
   if (!simplified) return std::move(simplified).error();
   result.mesh = std::move(simplified->mesh);

@@ -80,8 +80,9 @@ struct ShouldStop {
     const std::size_t left = mesh->number_of_faces();
     if (++calls % kStepsBetweenChecks == 0) {
       if (context->cancelled()) throw Cancelled{};
-      context->report(0.3 + 0.7 * static_cast<double>(first - left) /
-                                static_cast<double>(std::max<std::size_t>(1, first - triangles)));
+      const double done =
+          static_cast<double>(first - left) / static_cast<double>(std::max<std::size_t>(1, first - triangles));
+      context->report(kShareOfCollapses * (0.3 + 0.7 * done));
     }
     return left <= triangles || next_cost > cost;
   }

@@ -17,6 +17,9 @@ struct Stop {
   double error = 0;
 };
 
+/// What the collapses report of the stage's progress; the rest is for measuring the distance.
+constexpr double kShareOfCollapses = 0.6;
+
 /// Positions and triangles, and for every vertex the one of the input that it is, if no collapse touched it.
 struct Collapsed {
   TriangleMesh mesh;

@@ -82,10 +82,17 @@ void append_attributes(TriangleMesh& target, const TriangleMesh& mesh, const Tri
   }
 }
 
-void carry_attributes(Collapsed& collapsed, const TriangleMesh& mesh, const SurfaceSearch& search) {
+void stop_if_cancelled(const Context& context) {
+  if (context.cancelled()) throw simplification::Cancelled{};
+}
+
+void carry_attributes(Collapsed& collapsed, const TriangleMesh& mesh, const SurfaceSearch& search,
+                      const Context& context) {
+  constexpr std::size_t kVerticesBetweenChecks = 1024;
   TriangleMesh& target = collapsed.mesh;
   std::size_t hint = 0;
   for (std::size_t v = 0; v < target.positions.size(); ++v) {
+    if (v % kVerticesBetweenChecks == 0) stop_if_cancelled(context);
     if (const VertexIndex same = collapsed.untouched[v]; same.valid()) {
       if (!mesh.normals.empty()) target.normals.push_back(mesh.normals[same]);
       if (!mesh.colors.empty()) target.colors.push_back(mesh.colors[same]);
@@ -115,17 +122,30 @@ class Simplifier {
   Simplified run(const Stop& stop) const {
     Collapsed collapsed = simplification::collapse(mesh_, stop, context_);
     if (narrow_) round_to_float32(collapsed);
-    if (!search_.empty()) carry_attributes(collapsed, mesh_, search_);
-    if (context_.cancelled()) throw simplification::Cancelled{};
+    if (!search_.empty()) carry_attributes(collapsed, mesh_, search_, context_);
     const SurfaceSearch simplified(collapsed.mesh);
-    const double there = surface_distance(collapsed.mesh, search_, context_.threads()).upper;
-    const double back = surface_distance(mesh_, simplified, context_.threads()).upper;
+    const double there = distance(collapsed.mesh, search_, kCollapsed, kThere);
+    const double back = distance(mesh_, simplified, kThere, 1);
     return {.mesh = std::move(collapsed.mesh), .distance = std::max(there, back)};
   }
 
   const TriangleMesh& mesh() const { return mesh_; }
 
  private:
+  static constexpr double kCollapsed = simplification::kShareOfCollapses;
+  static constexpr double kThere = (1 + kCollapsed) / 2;
+
+  /// The upper bound, found while the progress goes from one share of the stage to the other.
+  double distance(const TriangleMesh& from, const SurfaceSearch& to, double begin, double end) const {
+    const auto go_on = [&](double done) {
+      context_.report(begin + (end - begin) * done);
+      return !context_.cancelled();
+    };
+    const std::optional<SurfaceDistance> found = surface_distance(from, to, context_.threads(), go_on);
+    if (!found) throw simplification::Cancelled{};
+    return found->upper;
+  }
+
   TriangleMesh mesh_;
   SurfaceSearch search_;
   bool narrow_;
@@ -152,16 +172,18 @@ Simplified attempt_within(const Simplifier& simplifier, double distance) {
   return best;
 }
 
+Status check_manifold(const Topology& topology) {
+  if (topology.oriented && topology.edge_manifold) return Done{};
+  return Error{ErrorCode::method_failed, "simplify takes oriented meshes whose edges have two triangles at most; " +
+                                             std::to_string(topology.non_manifold_edges) + " of " +
+                                             std::to_string(topology.edges) + " edges have more" +
+                                             (topology.oriented ? "" : ", or neighbours face opposite sides")};
+}
+
 template <class Work>
 Result<Simplified> guarded(const TriangleMesh& mesh, Work work) {
-  const Topology topology = topology_of(mesh);
-  if (!topology.oriented || !topology.edge_manifold) {
-    return Error{ErrorCode::method_failed, "simplify takes oriented meshes whose edges have two triangles at most; " +
-                                               std::to_string(topology.non_manifold_edges) + " of " +
-                                               std::to_string(topology.edges) + " edges have more" +
-                                               (topology.oriented ? "" : ", or neighbours face opposite sides")};
-  }
   try {
+    if (Status fit = check_manifold(topology_of(mesh)); !fit) return std::move(fit).error();
     return work();
   } catch (const simplification::Cancelled&) {
     return Error{ErrorCode::cancelled, "cancelled while simplifying"};

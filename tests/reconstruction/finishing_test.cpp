@@ -82,12 +82,21 @@ TEST_F(Finishing, simplify_keeps_within_a_fraction_of_the_diagonal_and_is_the_sa
 }
 
 TEST_F(Finishing, simplify_takes_a_count_or_a_fraction_and_nothing_between) {
-  for (const double wrong : {0.0, 0.6, 1.0, 3.0, 4.5, -5.0}) {
+  for (const double wrong : {0.0, 0.6, 1.0, 3.0, 4.5, -5.0, 4294967296.0, 1e20}) {
     EXPECT_FALSE(check_parameters(front(), Json{{"simplify", wrong}})) << wrong;
   }
-  for (const double right : {0.001, 0.5, 4.0, 1e9}) {
+  for (const double right : {0.001, 0.5, 4.0, 1e9, 4294967295.0}) {
     EXPECT_TRUE(check_parameters(front(), Json{{"simplify", right}})) << right;
   }
+}
+
+TEST_F(Finishing, simplify_to_more_triangles_than_there_are_changes_nothing) {
+  const auto cloud = cloud_of(narrow_sphere(500));
+  ASSERT_TRUE(reconstruct(cloud, "plain.glb", Json::object()));
+  const auto report = reconstruct(cloud, "same.glb", Json{{"simplify", 4294967295}});
+  ASSERT_TRUE(report) << report.error().detail;
+  EXPECT_EQ(report->at("finishing").at(0).at("max_distance"), 0);
+  EXPECT_EQ(bytes_of("same.glb"), bytes_of("plain.glb"));
 }
 
 TEST_F(Finishing, every_packing_of_a_glb_holds_the_same_mesh_and_says_what_it_is) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <set>
 
@@ -192,6 +193,25 @@ TEST(Simplification, ends_soon_after_it_is_cancelled) {
   const std::atomic<bool> cancel = true;
   Context context(1, {}, &cancel);
   EXPECT_EQ(code_of(simplified_to(torus_mesh(200, 100), 100, context)), "cancelled");
+}
+
+TEST(Simplification, ends_within_a_second_of_being_cancelled_while_it_measures_the_distance) {
+  const TriangleMesh before = torus_mesh(200, 100);
+  for (const unsigned threads : {1U, 2U}) {
+    for (const double when : {0.605, 0.801}) {  // there and back
+      std::atomic<bool> cancel = false;
+      std::chrono::steady_clock::time_point since;
+      const auto sink = [&](double fraction, std::string_view) {
+        if (fraction < when || cancel) return;
+        since = std::chrono::steady_clock::now();
+        cancel = true;
+      };
+      Context context(threads, sink, &cancel);
+      context.enter("simplify", 1);
+      EXPECT_EQ(code_of(simplified_to(before, 4000, context)), "cancelled") << when;
+      EXPECT_LT(std::chrono::steady_clock::now() - since, std::chrono::seconds(1)) << when;
+    }
+  }
 }
 
 TEST(Simplification, a_mesh_that_is_small_enough_stays_as_it_is) {
