@@ -19,7 +19,7 @@ const calls = [];
 before(async () => {
   writeFileSync(file('secret'), `${secret}\n`);
   execFileSync('openssl', ['req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1', '-nodes', '-days', '1',
-    '-subj', '/CN=localhost', '-addext', 'subjectAltName=DNS:localhost', '-keyout', file('key.pem'), '-out', file('cert.pem')], { stdio: 'ignore' });
+    '-subj', '/CN=localhost', '-addext', 'subjectAltName=IP:127.0.0.1', '-keyout', file('key.pem'), '-out', file('cert.pem')], { stdio: 'ignore' });
   receiver = https.createServer({ key: readFileSync(file('key.pem')), cert: readFileSync(file('cert.pem')) }, (request, response) => {
     let body = '';
     request.on('data', (bytes) => { body += bytes; });
@@ -29,14 +29,14 @@ before(async () => {
       response.end();
     });
   });
-  await new Promise((resolve) => receiver.listen(0, 'localhost', resolve));
+  await new Promise((resolve) => receiver.listen(0, '127.0.0.1', resolve));
 });
 after(() => {
   receiver?.close();
   rmSync(folder, { recursive: true, force: true });
 });
 
-const url = () => `https://localhost:${receiver.address().port}/hook`;
+const url = () => `https://127.0.0.1:${receiver.address().port}/hook`;
 const withServer = async (flags, work) => {
   const client = await Client.start(['--webhook-secret', file('secret'), '--webhook-certificates', file('cert.pem'), ...flags]);
   try {
