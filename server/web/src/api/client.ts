@@ -71,9 +71,9 @@ export class Api {
     return (await this.json<{ samples: Sample[] }>('samples')).samples;
   }
 
-  job = (id: string): Promise<Job> => this.json<Job>(`v1/jobs/${encodeURIComponent(id)}`);
+  job = (id: string, signal: AbortSignal | null = null): Promise<Job> => this.json<Job>(`v1/jobs/${encodeURIComponent(id)}`, { signal });
   cloud = (id: string): Promise<Cloud> => this.json<Cloud>(`v1/clouds/${encodeURIComponent(id)}`);
-  report = (id: string): Promise<Report> => this.json<Report>(`v1/jobs/${encodeURIComponent(id)}/outputs/report.json`);
+  report = (id: string, signal: AbortSignal | null = null): Promise<Report> => this.json<Report>(`v1/jobs/${encodeURIComponent(id)}/outputs/report.json`, { signal });
 
   async jobs(limit: number): Promise<Job[]> {
     return (await this.json<{ jobs: Job[] }>(`v1/jobs?limit=${limit}`)).jobs;

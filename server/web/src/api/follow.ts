@@ -42,7 +42,8 @@ function parseEvent(block: string): SseEvent {
   return event;
 }
 
-const pause = (milliseconds: number, signal: AbortSignal): Promise<void> =>
+/** Ends early, and without complaint, if the signal does. */
+export const pause = (milliseconds: number, signal: AbortSignal): Promise<void> =>
   new Promise((resolve) => {
     const timer = setTimeout(resolve, milliseconds);
     signal.addEventListener('abort', () => (clearTimeout(timer), resolve()), { once: true });

@@ -36,12 +36,17 @@ export function uploadCloud(api: Api, file: File, watcher: UploadWatcher, signal
       onError: (failure) => reject(errorOf(failure)),
       onSuccess: () => (cloudId ? resolve(cloudId) : reject(unreachable('the upload ended without naming its cloud'))),
     });
-    signal.addEventListener('abort', () => void upload.abort().then(() => reject(signal.reason as Error)), { once: true });
+    const stop = (): void => {
+      reject(signal.reason as Error);
+      void upload.abort().catch(() => undefined);
+    };
+    if (signal.aborted) stop();
+    signal.addEventListener('abort', stop, { once: true });
     void upload.findPreviousUploads().then((earlier) => {
       const latest = earlier.at(-1);
       if (latest) upload.resumeFromPreviousUpload(latest);
       if (!signal.aborted) upload.start();
-    });
+    }, reject);
   });
 }
 
