@@ -3,7 +3,7 @@ import type { Session } from '../app/session';
 import type { ColourBy, State } from '../app/state';
 import type { Look } from '../view/layers';
 import type { Stage } from '../view/stage';
-import { fill, h } from './dom';
+import { fill, h, must } from './dom';
 
 const toggles: [keyof Look, string, string][] = [
   ['points', 'Points', 'p'],
@@ -64,9 +64,9 @@ export function mountToolbar(host: HTMLElement, session: Session, stage: Stage):
   update(session.state);
 }
 
-/** Letters that do what the buttons do, arrows that turn; only while no field has the focus. */
+/** Letters that do what the buttons do, arrows that turn; only while the canvas or its toolbar has the focus, and no field there. */
 export function listenToKeys(session: Session, stage: Stage): void {
-  addEventListener('keydown', (event) => {
+  must<HTMLElement>('#view').addEventListener('keydown', (event) => {
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName)) return;
     const toggle = toggles.find(([, , letter]) => letter === event.key);
