@@ -1,6 +1,7 @@
 import { ApiError, Api } from './api/client';
 import { Session } from './app/session';
 import type { State } from './app/state';
+import { whenChanged } from './ui/changed';
 import { acceptDrops, mountCloudPanel } from './ui/cloud_panel';
 import { fill, h, must } from './ui/dom';
 import { mountHistoryPanel } from './ui/history_panel';
@@ -26,12 +27,17 @@ function startStage(session: Session, canvas: HTMLCanvasElement): Stage | undefi
   }
 }
 
+/** All that the picture is made of. */
+function picture({ cloud, results, difference, pointed, look, clip, colour, up, theme }: State): unknown[] {
+  return [cloud, cloud?.data, difference, pointed, look, clip.axis, colour, up, theme,
+    ...results.flatMap((result) => [result, result?.unused, result?.wireframe, result?.distances])];
+}
+
 function showOn(stage: Stage, session: Session, canvas: HTMLCanvasElement): void {
   let shown: unknown;
   let up: State['up'] = 'y';
   let panes = 1;
-  session.onChange((state, what) => {
-    if (what === 'work') return;
+  session.onChange(whenChanged(picture, (state) => {
     const contents = contentsOf(state);
     stage.setPanes(contents, { ...state.look, points: state.look.points || !state.results[0] }, state.clip, state.theme);
     canvas.setAttribute('aria-label', describeView(state));
@@ -43,7 +49,7 @@ function showOn(stage: Stage, session: Session, canvas: HTMLCanvasElement): void
       up = state.up;
       panes = contents.length;
     }
-  });
+  }));
 }
 
 function start(): void {

@@ -2,6 +2,7 @@
 import type { Session } from '../app/session';
 import type { ChosenCloud, State } from '../app/state';
 import { bytes, count, real } from '../words/numbers';
+import { whenChanged } from './changed';
 import { fill, h } from './dom';
 
 export const kFormats = 'PLY, Draco, LAS, PCD, glTF, OBJ, STL, XYZ, CSV';
@@ -47,10 +48,9 @@ export function mountCloudPanel(host: HTMLElement, session: Session): void {
       state.samples.length > 0 && h('div', { class: 'row samples' }, h('span', { class: 'label' }, 'Samples'),
         ...state.samples.map((sample) => h('button', { type: 'button', class: 'chip', title: sample.description, onclick: () => void session.chooseSample(sample) }, sample.title))));
   };
-  session.onChange((state, what) => {
-    if (what === 'all') show(state);
-  });
-  show(session.state);
+  const update = whenChanged(({ cloud, samples }) => [cloud, cloud?.data, cloud?.noPreview, samples], show);
+  session.onChange(update);
+  update(session.state);
 }
 
 /** Files may be dropped anywhere. */

@@ -2,6 +2,7 @@
 import { isEnded, type Job } from '../api/types';
 import type { Session } from '../app/session';
 import type { State } from '../app/state';
+import { whenChanged } from './changed';
 import { fill, h } from './dom';
 
 const words: Record<Job['status'], string> = { accepted: 'waits', running: 'runs', successful: 'done', failed: 'failed', dismissed: 'cancelled' };
@@ -23,8 +24,10 @@ export function mountHistoryPanel(host: HTMLElement, session: Session): void {
   const list = h('ul', { class: 'history' });
   const details = h('details', { class: 'group' }, h('summary', {}, 'Jobs on this server'), list);
   fill(host, details);
-  session.onChange((state, what) => {
-    if (what !== 'all') return;
+  session.onChange(whenChanged(({ history, methods, results }) => [history, methods, results[0]], (state) => {
+    // The button that was pressed keeps the focus when the list comes anew.
+    const focused = list.contains(document.activeElement) ? document.activeElement?.getAttribute('aria-label') : undefined;
     fill(list, ...(state.history.length > 0 ? state.history.map((job) => row(session, state, job)) : [h('li', { class: 'hint' }, 'None yet.')]));
-  });
+    if (focused) Array.from(list.querySelectorAll('button')).find((button) => button.getAttribute('aria-label') === focused)?.focus();
+  }));
 }

@@ -5,6 +5,7 @@ import { gradient } from '../view/colormap';
 import { colouringsOf, type ScaleLegend } from '../view/contents';
 import { count, real } from '../words/numbers';
 import { fileButton, kFormats } from './cloud_panel';
+import { whenChanged } from './changed';
 import { fill, h } from './dom';
 
 function invitation(session: Session, state: State): HTMLElement {
@@ -29,14 +30,13 @@ function paneName(state: State, side: 0 | 1): HTMLElement | null {
 }
 
 export function mountOverlay(host: HTMLElement, session: Session): void {
-  const update = (state: State): void => {
+  const update = whenChanged(({ cloud, results, samples, methods, colour, difference }) =>
+    [cloud, samples, methods, colour, difference, ...results.flatMap((result) => [result, result?.distances])], (state) => {
     const { legend } = colouringsOf(state);
     fill(host, !state.cloud && !state.results[0] && invitation(session, state), paneName(state, 0), paneName(state, 1), legend && legendOf(legend),
       state.results[1] && h('div', { class: 'divider' }));
-  };
-  session.onChange((state, what) => {
-    if (what !== 'work') update(state);
   });
+  session.onChange(update);
   update(session.state);
 }
 
