@@ -57,7 +57,10 @@ test('everything is done without a mouse', async () => {
   await reach('#run');
   await page.keyboard.press('Enter');
   await page.waitForSelector('.headline', { timeout: 60000 });
-  await page.focus('#canvas');
+  await page.keyboard.press('e');
+  await page.click('#canvas', { position: { x: 20, y: 200 } });
+  assert.equal(await page.getAttribute('[data-look="wireframe"]', 'aria-pressed'), 'false', 'a letter does nothing outside of the picture');
+  assert.ok(await page.evaluate(() => document.activeElement?.id === 'canvas'), 'a click into the picture gives it the keys');
   const earlier = await silhouette(page);
   for (let i = 0; i < 8; i += 1) await page.keyboard.press('ArrowRight');
   const later = await silhouette(page);

@@ -93,9 +93,17 @@ test('a server that is killed and comes back finishes the job under the same pag
   const listen = new URL(first.base).host;
   const page = await openPage(browser, first.base);
   await dropFile(page, 'sphere.ply', ply(spherePoints(20000)));
+  // However fast the job is, the page hears nothing of its end before the server is gone.
+  let killed;
+  const gone = new Promise((resolve) => { killed = resolve; });
+  await page.route('**/events', async (route) => {
+    await gone;
+    await route.continue();
+  });
   await page.click('#run');
   await page.waitForSelector('.card.work[data-what="run"], .card.work[data-what="queue"]');
   await first.kill();
+  killed();
   await page.waitForFunction(() => /connection to the server was lost/.test(document.querySelector('#work').textContent), undefined, { timeout: 10000 });
   servers.push(await startServer([], first.data, listen));
   await page.waitForSelector('.headline', { timeout: 60000 });
@@ -164,7 +172,16 @@ test('a server with keys asks for one, and takes it', async () => {
   await page.waitForFunction(() => /key is accepted/.test(document.querySelector('#work').textContent));
   await dropFile(page, 'knot.ply', knot);
   await reconstruct(page, 'advancing-front');
+  const link = page.url();
   await page.context().close();
+  const guest = await openPage(browser, link);
+  assert.equal((await errorOf(guest)).code, 'unauthorized');
+  await guest.click('#key-button');
+  await guest.fill('#key', key);
+  await guest.keyboard.press('Enter');
+  await guest.waitForSelector('.headline');
+  assert.equal(guest.url(), link);
+  await guest.context().close();
   rmSync(folder, { recursive: true, force: true });
 });
 
