@@ -38,11 +38,11 @@ Response get_events(const Request& request, JobService& service, JobLooks& looks
   response.headers.add("X-Accel-Buffering", "no");
   response.content_type = "text/event-stream";
   const auto look = looks.at(id);
-  auto stream = std::make_shared<EventStream>(service, look, id, position);
+  auto stream = std::make_shared<EventStream>(look, id, position);
   auto feed = std::make_shared<http::Feed>();
   feed->interval = kLookAtLog;
   feed->subscribe = [&service, id](std::function<void()> wake) { return service.watch(id, std::move(wake)); };
-  feed->next = [stream, seat](bool last) { return stream->next(last); };
+  feed->next = [stream, seat](bool /*last*/) { return stream->next(); };
   response.feed = std::move(feed);
   return response;
 }

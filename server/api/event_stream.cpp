@@ -120,7 +120,7 @@ bool EventStream::add_log(std::string& bytes, const Job& job) {
   return !full;
 }
 
-http::Feed::Piece EventStream::next(bool /*last*/) {
+http::Feed::Piece EventStream::next() {
   http::Feed::Piece piece;
   const auto seen = look_->get();
   const Result<Job>& job = *seen;

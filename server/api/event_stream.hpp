@@ -72,10 +72,10 @@ class JobLooks {
 /// `log`, and `done`, which is the last.
 class EventStream {
  public:
-  EventStream(JobService& service, std::shared_ptr<JobLook> look, std::string job, EventPosition position)
-      : service_(service), look_(std::move(look)), job_(std::move(job)), position_(std::move(position)) {}
+  EventStream(std::shared_ptr<JobLook> look, std::string job, EventPosition position)
+      : look_(std::move(look)), job_(std::move(job)), position_(std::move(position)) {}
 
-  http::Feed::Piece next(bool last);
+  http::Feed::Piece next();
 
  private:
   void add(std::string& bytes, std::string_view event, const nlohmann::ordered_json& data) const;
@@ -84,7 +84,6 @@ class EventStream {
   /// False while there is more of the log.
   bool add_log(std::string& bytes, const Job& job);
 
-  JobService& service_;
   const std::shared_ptr<JobLook> look_;
   const std::string job_;
   EventPosition position_;

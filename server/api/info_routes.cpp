@@ -1,4 +1,5 @@
 #include "api/routes.hpp"
+#include "http/assembly.hpp"
 #include "http/problem.hpp"
 #include "proto/embedded.hpp"
 #include "reconstruction/reconstruction.hpp"
@@ -50,7 +51,7 @@ Response get_method(const Request& request) {
 Response contract(const Request& /*request*/) {
   Response response;
   response.content_type = "application/json";
-  response.body = std::string(proto::openapi_json());
+  response.body = http::body_of_static(proto::openapi_json());
   return response;
 }
 
@@ -60,7 +61,7 @@ Response documentation(const Request& /*request*/) {
   // Everything that the page needs is in it and in /openapi.json.
   response.headers.add("Content-Security-Policy",
                        "default-src 'none'; connect-src 'self'; style-src 'unsafe-inline'; script-src 'unsafe-inline'");
-  response.body = std::string(proto::docs_html());
+  response.body = http::body_of_static(proto::docs_html());
   return response;
 }
 

@@ -102,7 +102,10 @@ Status read_output(const std::string& name, const Json& wanted, Execution& execu
                              media_type_of("report.json"));
   }
   const auto chosen = negotiate_mesh(type, {});
-  if (!chosen) return chosen.error();
+  if (!chosen) {
+    return http::wrong_value(ErrorCode::not_acceptable, field + ".format.mediaType", type,
+                             chosen.error().fault->allowed);
+  }
   execution.submission["outputs"] = Json::array({*chosen});
   return Done{};
 }

@@ -9,6 +9,7 @@
 #include "api/paging.hpp"
 #include "api/routes.hpp"
 #include "api/waiting.hpp"
+#include "http/assembly.hpp"
 #include "http/problem.hpp"
 #include "platform/files.hpp"
 #include "proto/embedded.hpp"
@@ -194,7 +195,7 @@ void add_ogc_routes(http::Router& router, JobService& service, const RouteOption
   router.add("GET", "/openapi-3.0.json", [](Request&) {
     Response response;
     response.content_type = "application/vnd.oai.openapi+json;version=3.0";
-    response.body = std::string(proto::openapi30_json());
+    response.body = http::body_of_static(proto::openapi30_json());
     return response;
   });
 }

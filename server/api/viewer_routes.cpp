@@ -3,6 +3,7 @@
 
 #include "api/routes.hpp"
 #include "http/accept.hpp"
+#include "http/assembly.hpp"
 #include "http/conditional.hpp"
 #include "http/problem.hpp"
 #include "web/assets.hpp"
@@ -60,7 +61,7 @@ Response asset_response(const Request& request, std::string_view path) {
   response.headers.add("Referrer-Policy", "no-referrer");
   if (compressed) response.headers.add("Content-Encoding", "gzip");
   response.content_type = asset->content_type;
-  response.body = std::string(compressed ? asset->gzip : asset->bytes);
+  response.body = http::body_of_static(compressed ? asset->gzip : asset->bytes);
   return response;
 }
 

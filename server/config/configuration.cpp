@@ -82,6 +82,24 @@ std::optional<Given> from_environment(const Setting& setting, const Sources& sou
   return Given{*text, name + "_FILE"};
 }
 
+bool is_default(const Configuration& configuration, std::string_view name) {
+  return std::ranges::find(configuration.entries, name, [](const auto& each) { return each.setting->name; })->source ==
+         "default";
+}
+
+/// A stream holds a connection: some are to stay for other requests.
+void check_streams(Configuration& configuration) {
+  Settings& settings = configuration.settings;
+  if (settings.streams < settings.connections) return;
+  if (is_default(configuration, "streams")) {
+    settings.streams = std::max<std::uint64_t>(1, settings.connections / 4 * 3);
+    return;
+  }
+  configuration.problems.push_back("streams is " + std::to_string(settings.streams) +
+                                   "; allowed is less than connections, which is " +
+                                   std::to_string(settings.connections));
+}
+
 void check_together(Configuration& configuration) {
   const Settings& settings = configuration.settings;
   if (settings.data.empty()) configuration.problems.emplace_back("data is not set; it has no default");
@@ -94,6 +112,7 @@ void check_together(Configuration& configuration) {
                                      "; allowed is less than http-threads, which is " +
                                      std::to_string(settings.http_threads));
   }
+  check_streams(configuration);
 }
 
 std::string text_of_bytes(std::uint64_t bytes) { return std::to_string(bytes >> 20) + " MiB"; }
@@ -132,14 +151,13 @@ void check_files(Configuration& configuration, const Settings& settings) {
   const std::string what = "connections is " + std::to_string(settings.connections) + ", which needs " +
                            std::to_string(settings.connections + others) + " open files; the limit (ulimit -Hn) is " +
                            std::to_string(files.rlim_max);
-  const auto entry = std::ranges::find_if(
-      configuration.entries, [](const Configuration::Entry& each) { return each.setting->name == "connections"; });
-  if (entry->source != "default" || files.rlim_max < others + kFewestConnections) {
+  if (!is_default(configuration, "connections") || files.rlim_max < others + kFewestConnections) {
     configuration.problems.push_back(what);
     return;
   }
   configuration.settings.connections = files.rlim_max - others;
   configuration.warnings.push_back(what + ": " + std::to_string(configuration.settings.connections) + " are taken");
+  check_streams(configuration);
 }
 
 }  // namespace

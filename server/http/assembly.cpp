@@ -26,6 +26,14 @@ Status fill(const BodyStream& body, std::uint64_t offset, std::span<std::byte> b
 
 }  // namespace
 
+BodyStream body_of_static(std::string_view bytes) {
+  return {bytes.size(), [bytes](std::uint64_t offset, std::span<std::byte> buffer) {
+            const std::size_t count = std::min<std::uint64_t>(buffer.size(), bytes.size() - offset);
+            std::memcpy(buffer.data(), bytes.data() + offset, count);
+            return Result<std::size_t>(count);
+          }};
+}
+
 BodyStream body_of(std::string text) {
   const auto shared = std::make_shared<const std::string>(std::move(text));
   return {shared->size(), [shared](std::uint64_t offset, std::span<std::byte> buffer) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "http/message.hpp"
@@ -9,6 +10,9 @@ namespace surfaced::http {
 
 /// A body that is in memory.
 BodyStream body_of(std::string text);
+
+/// A body of the program's own data, which is not copied.
+BodyStream body_of_static(std::string_view bytes);
 
 /// The body as base64, encoded while it is sent.
 BodyStream base64_of(BodyStream body);

@@ -38,7 +38,6 @@ class Connection {
   /// @param tls  none for plain HTTP
   Connection(UniqueFd fd, const ConnectionLimits& limits, const Tls* tls);
 
-  bool inside_tls() const { return tls_.has_value(); }
   /// True if the client has sent something, or is gone.
   bool has_news() const;
   /// Goes on with the handshake of TLS; a client that speaks plain HTTP is told that this is the wrong port for it.

@@ -99,7 +99,11 @@ Session::Step Session::greet() {
   if (greeting != Greeting::done) {
     log(LogLevel::debug, "a TLS handshake failed",
         {{"client", connection_.remote_address()}, {"detail", connection_.greeting_failure()}});
-    return Step::over;
+    if (greeting != Greeting::plain) return Step::over;
+    // Closed with something unread, the socket would take the answer back.
+    state_ = State::lingering;
+    connection_.begin_linger();
+    return advance();
   }
   state_ = State::head;
   // The head often comes in the client's last bytes of the handshake.

@@ -15,6 +15,7 @@ namespace surfaced::http {
 /// A connection and what is going on on it:
 ///
 ///   greeting (TLS) --(a thread of the pool: keys are exchanged)--> head
+///   greeting (TLS) --(the client speaks plain HTTP, and is told)--> lingering --> over
 ///   head --arrived--> (a thread of the pool: engine) --answer--> writing --keep--> head
 ///                          |          ^                             |---drain---> lingering --> over
 ///                          '--later-> waiting <--feed, until its end--+---close---> over

@@ -21,7 +21,8 @@ namespace surfaced {
 
 /// Other formats of a job's mesh, made by a child when they are first asked for, and kept with the job's outputs from
 /// then on. A format is made once, however many ask for it; a bounded number is made at once and a bounded number
-/// waits, in the order in which they were asked for.
+/// waits, of the jobs of one key fewer. They are made in the order in which they were asked for, first those that a
+/// request still waits for; the others give way when there is no room.
 class Renditions {
  public:
   Renditions(JobStore& jobs, ArtifactStore& artifacts, const SideTask& task)
@@ -35,6 +36,8 @@ class Renditions {
     std::string job;
     std::string name;
     std::uint32_t number = 0;
+    /// Of the job.
+    std::string owner;
     /// Set once; belongs to the Renditions until then.
     std::optional<Result<Output>> result;
   };
@@ -43,7 +46,7 @@ class Renditions {
 
   /// Has a mesh of a successful job made; does not wait.
   /// @param number  of the format; two formats of a job have different ones
-  /// @return  not_ready if so many wait already.
+  /// @return  whoever waits keeps it; not_ready if so many wait already, too_many_requests if so many of the owner do.
   Result<std::shared_ptr<const Order>> order(const Job& job, const std::string& name, std::uint32_t number);
 
   /// What became of it, if that is known: the output, or job_gone, not_ready, what the child says.
@@ -57,10 +60,14 @@ class Renditions {
 
  private:
   void work();
+  /// Room for one more in the queue, at the cost of those that nobody waits for.
+  Status make_room(const std::string& owner);
   /// None when the threads are to end.
   std::shared_ptr<Order> next();
   /// Made meanwhile by somebody else, or made now.
   Result<Output> make(const Order& order);
+  /// What is thrown ends the order, not the server.
+  Result<Output> make_safely(const Order& order);
 
   JobStore& jobs_;
   ArtifactStore& artifacts_;

@@ -67,6 +67,7 @@ std::optional<SystemTime> parse_rfc3339(std::string_view text) {
   if (rest == "Z" || rest == "z") return time + fraction;
   if (rest.size() != 6 || (rest[0] != '+' && rest[0] != '-') || !fits(rest.substr(1), "dd:dd")) return std::nullopt;
   const auto at = text.size() - rest.size();
+  if (number(at + 1) > 23 || number(at + 4) > 59) return std::nullopt;
   const std::chrono::minutes offset(number(at + 1) * 60 + number(at + 4));
   return rest[0] == '+' ? time + fraction - offset : time + fraction + offset;
 }

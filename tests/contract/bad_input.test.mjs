@@ -149,4 +149,7 @@ test('Accept that cannot be met', async () => {
   const headers = { accept: 'image/png' };
   await refused(client.call('GET', `/v1/jobs/${body.id}/outputs/mesh`, { headers }), 406, 'not_acceptable', 'Accept', 'image/png', /gltf-binary/);
   await refused(client.call('GET', `/v1/jobs/${body.id}/outputs/mesh.exe`), 404, 'output_not_found', 'name', 'mesh.exe', /report\.json/);
+  const execution = { inputs: { cloud: 'x' }, outputs: { mesh: { format: { mediaType: 'image/png' } } } };
+  await refused(client.json('/processes/advancing-front/execution', execution), 406, 'not_acceptable',
+    'outputs.mesh.format.mediaType', 'image/png', /gltf-binary/);
 });

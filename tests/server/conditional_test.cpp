@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "platform/clock.hpp"
+
 namespace surfaced::http {
 namespace {
 
@@ -69,6 +71,16 @@ TEST(ConditionalTest, if_none_match_knows_lists_weak_tags_and_the_star) {
   EXPECT_TRUE(not_modified(with("If-None-Match", "*"), kEtag));
   EXPECT_FALSE(not_modified(with("If-None-Match", "\"ab\""), kEtag));
   EXPECT_FALSE(not_modified({}, kEtag));
+}
+
+TEST(ClockTest, a_time_has_an_offset_that_there_is) {
+  const auto at_noon = parse_rfc3339("2026-11-24T12:00:00Z");
+  ASSERT_TRUE(at_noon);
+  EXPECT_EQ(parse_rfc3339("2026-11-24T13:30:00+01:30"), at_noon);
+  EXPECT_EQ(parse_rfc3339("2026-11-23T12:01:00-23:59"), at_noon);
+  for (const char* offset : {"+24:00", "+00:60", "-99:99", "+1:00", "+0100"}) {
+    EXPECT_FALSE(parse_rfc3339(std::string("2026-11-24T12:00:00") + offset)) << offset;
+  }
 }
 
 }  // namespace

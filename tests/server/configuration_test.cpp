@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <fstream>
 #include <map>
@@ -132,6 +135,34 @@ TEST_F(ConfigurationTest, the_machine_is_asked_whether_it_can_do_what_is_wanted)
   check_machine(configuration);
   EXPECT_THAT(configuration.problems, ::testing::Contains(HasSubstr("is no folder that this user can write")));
   EXPECT_THAT(configuration.warnings, ::testing::Contains(HasSubstr("may use more than the machine's")));
+}
+
+TEST_F(ConfigurationTest, event_streams_leave_connections_for_other_requests) {
+  sources_.flags["connections"] = "400";
+  EXPECT_EQ(read().settings.streams, 300U);
+  EXPECT_THAT(read().problems, IsEmpty());
+  sources_.flags["streams"] = "400";
+  EXPECT_THAT(read().problems, ElementsAre("streams is 400; allowed is less than connections, which is 400"));
+  sources_.flags["streams"] = "399";
+  EXPECT_THAT(read().problems, IsEmpty());
+}
+
+TEST_F(ConfigurationTest, few_open_files_lower_the_default_of_streams_with_that_of_connections) {
+  const auto end = [&] {
+    const rlimit few{1024, 1024};
+    ::setrlimit(RLIMIT_NOFILE, &few);
+    Configuration configuration = read();
+    check_machine(configuration);
+    const Settings& settings = configuration.settings;
+    const bool lower = configuration.problems.empty() && settings.connections < 1024 &&
+                       settings.streams == settings.connections / 4 * 3;
+    sources_.flags["streams"] = "1200";
+    Configuration asked = read();
+    check_machine(asked);
+    ::_exit(lower && !asked.problems.empty() ? 0 : 1);
+  };
+  // In a child: a hard limit cannot be raised again.
+  EXPECT_EXIT(end(), ::testing::ExitedWithCode(0), "");
 }
 
 TEST_F(ConfigurationTest, the_documentation_lists_every_setting_with_its_variable_default_and_bounds) {

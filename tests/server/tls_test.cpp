@@ -228,6 +228,31 @@ TEST_F(TlsTest, plain_http_is_told_that_this_is_the_wrong_port) {
   EXPECT_THAT(answer.body, HasSubstr("HTTPS"));
 }
 
+/// Notices whether the server has torn the connection down or ended it.
+class WatchedConnection : public RawConnection {
+ public:
+  using RawConnection::RawConnection;
+  bool torn() const { return torn_; }
+
+ private:
+  ssize_t receive(char* bytes, std::size_t size) override {
+    const ssize_t count = RawConnection::receive(bytes, size);
+    torn_ |= count < 0;
+    return count;
+  }
+  bool torn_ = false;
+};
+
+TEST_F(TlsTest, plain_http_with_a_body_gets_the_answer_and_an_orderly_end) {
+  WatchedConnection connection(port_);
+  EXPECT_TRUE(
+      connection.send("POST /hello HTTP/1.1\r\nHost: h\r\nContent-Length: 100000\r\n\r\n" + std::string(100'000, 'x')));
+  EXPECT_EQ(connection.read_answer().status, 400);
+  connection.end();
+  EXPECT_TRUE(connection.closes_within(milliseconds(3000)));
+  EXPECT_FALSE(connection.torn());
+}
+
 /// The first bytes of a client's hello, which promise more.
 std::string half_a_hello() { return std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11); }
 
