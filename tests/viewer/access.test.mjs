@@ -68,6 +68,10 @@ test('everything is done without a mouse', async () => {
   assert.match(await page.getAttribute('#canvas', 'aria-label'), /mesh of 12,000 triangles by minimum-boundary/);
   await page.keyboard.press('e');
   await page.waitForSelector('[data-look="wireframe"][aria-pressed="true"]');
+  await page.focus('#setup .chip');
+  await page.$eval('[data-output="log.txt"]', (button) => button.click());
+  await page.waitForFunction(() => /is saved/.test(document.querySelector('#work').textContent));
+  assert.ok(await page.evaluate(() => document.activeElement?.matches('#setup .chip')), 'a notice takes the focus from nobody');
   await page.context().close();
 });
 
