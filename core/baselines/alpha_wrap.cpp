@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -25,6 +26,12 @@ std::size_t most_vertices(std::size_t points) {
   return kAlways + kPerPoint * points;
 }
 
+/// Thrown by a wrap that grows beyond most_vertices.
+struct TooManyVertices : std::runtime_error {
+  explicit TooManyVertices(std::size_t limit)
+      : std::runtime_error("more than " + std::to_string(limit) + " vertices; a larger alpha needs fewer") {}
+};
+
 /// Called by CGAL while the wrap shrinks.
 struct Visitor {
   Context* context;
@@ -42,9 +49,7 @@ struct Visitor {
   }
   template <class Wrapper, class Point>
   void before_Steiner_point_insertion(const Wrapper& /*wrapper*/, const Point& /*point*/) {
-    if (++inserted > limit) {
-      throw std::runtime_error("more than " + std::to_string(limit) + " vertices; a larger alpha needs fewer");
-    }
+    if (++inserted > limit) throw TooManyVertices(limit);
     // Saturates, because nobody knows how many vertices a wrap will have.
     const auto done = static_cast<double>(inserted);
     context->report(done / (done + static_cast<double>(expected)));
@@ -104,18 +109,29 @@ class Wrapper {
   Context& context_;
 };
 
-/// Finer and finer, as long as the wrap does not leak inside.
+/// A wrap finer than one there is already; none if it takes too many vertices.
+std::optional<AlphaWrapResult> finer(Wrapper& wrapper, double alpha, double offset) {
+  try {
+    return wrapper.wrap(alpha, offset);
+  } catch (const TooManyVertices&) {
+    return std::nullopt;
+  }
+}
+
+/// Finer and finer, as long as the wrap does not leak inside and has not too many vertices.
 AlphaWrapResult finest(Wrapper& wrapper, const std::optional<double>& offset) {
   constexpr std::array kAlphas{12.0, 6.0, 3.0};
   constexpr double kLeaks = 0.5;
-  AlphaWrapResult best;
-  double volume = 0;
-  for (const double alpha : kAlphas) {
-    AlphaWrapResult next = wrapper.wrap(alpha, offset.value_or(alpha / AlphaWrapParameters::kAlphaPerOffset));
-    const double next_volume = std::abs(signed_volume(next.mesh));
+  const auto offset_for = [&](double alpha) { return offset.value_or(alpha / AlphaWrapParameters::kAlphaPerOffset); };
+  AlphaWrapResult best = wrapper.wrap(kAlphas[0], offset_for(kAlphas[0]));
+  double volume = std::abs(signed_volume(best.mesh));
+  for (std::size_t i = 1; i < kAlphas.size(); ++i) {
+    std::optional<AlphaWrapResult> next = finer(wrapper, kAlphas.at(i), offset_for(kAlphas.at(i)));
+    if (!next) break;
+    const double next_volume = std::abs(signed_volume(next->mesh));
     if (next_volume < kLeaks * volume) break;
     volume = next_volume;
-    best = std::move(next);
+    best = std::move(*next);
   }
   return best;
 }

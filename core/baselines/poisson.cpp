@@ -2,6 +2,8 @@
 // Poisson_surface_reconstruction_3 on a Delaunay triangulation; meshed after J.-D. Boissonnat, S. Oudot, "Provably good
 // sampling and meshing of surfaces", Graphical Models 67 (2005).
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 #include "base/vectors.hpp"
 #include "baselines/method.hpp"
@@ -74,6 +76,10 @@ Result<TriangleMesh> reconstruct(const PointCloud& cloud, const PoissonParameter
   context.enter("trim", 1);
   for (Point3& p : mesh.positions) p = frame.to_input(p);
   if (parameters.trim) trim(cloud, *parameters.trim * spacing, mesh, context.threads());
+  if (mesh.triangles.empty()) {
+    throw std::runtime_error("no triangle of its surface was found near the " + std::to_string(cloud.size()) +
+                             " points; it needs more points of each part, or a larger trim; other methods take fewer");
+  }
   baselines::sort_mesh(mesh);
   baselines::carry_attributes(cloud, mesh, context.threads());
   return mesh;

@@ -66,7 +66,7 @@ enum class NormalFit : std::uint8_t { plane, jet };
 /// Gives every point a normal fitted to its nearest neighbours, turned to agree with that of its neighbours; in each
 /// connected part of the cloud the highest point (in z, then y, then x) faces up. So normals of a closed surface face
 /// outwards. Normals that the cloud has are replaced.
-/// @cost  O(V log V), sequential but for the orientation's search; 8 bytes per point and neighbour.
+/// @cost  O(V log V), sequential but for the orientation's search; 16 bytes per point and neighbour.
 Result<PointCloud> with_normals(const PointCloud& cloud, NormalFit fit, std::size_t neighbours, Context& context);
 
 }  // namespace surfaced

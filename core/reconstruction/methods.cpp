@@ -47,6 +47,12 @@ const std::vector<MethodInfo>& infos() {
   return all;
 }
 
+/// True of every method: stages that all share act before and after it.
+constexpr std::string_view kStagesAct =
+    "Guarantees are the method's, on the points it gets: outliers, sample, smooth and normals act before it; "
+    "drop_parts, "
+    "simplify and color_map change its mesh.";
+
 }  // namespace
 
 Json schema_of(Json properties) {
@@ -84,12 +90,14 @@ Status check_makes_cloud(const MethodInfo& method) {
 }
 
 Json method_json(const MethodInfo& method) {
+  Json limitations = method.limitations;
+  limitations.push_back(kStagesAct);
   return Json{{"id", method.id},
               {"title", method.title},
               {"summary", method.summary},
               {"source", method.source},
               {"guarantees", method.guarantees},
-              {"limitations", method.limitations},
+              {"limitations", std::move(limitations)},
               {"outputs", method.makes_cloud ? Json{"mesh", "cloud"} : Json{"mesh"}},
               {"parameters", method.parameters}};
 }

@@ -193,15 +193,44 @@ Result<Reconstruction> engine_of(const PointCloud& cloud, const MethodInfo& meth
   return result;
 }
 
+/// The stages before the method, where the parameters ask for them, and the method.
+struct Made {
+  Reconstruction result;
+  Json preparing = Json::array();
+};
+
+/// What preparing warns of, beyond what the cloud did before, stands before the method's warnings.
+Result<Made> make(const PointCloud& cloud, const MethodInfo& method, const Json& parameters, double until,
+                  Context& context) {
+  if (!asks_for_preparing(parameters)) {
+    context.section(until);
+    Result<Reconstruction> result = engine_of(cloud, method, parameters, context);
+    if (!result) return std::move(result).error();
+    return Made{.result = std::move(*result)};
+  }
+  context.section(kPreparedUntil);
+  Result<Prepared> prepared = prepare(cloud, parameters, context);
+  if (!prepared) return std::move(prepared).error();
+  context.section(until);
+  Result<Reconstruction> result = engine_of(prepared->cloud, method, parameters, context);
+  if (!result) return std::move(result).error();
+  const std::vector<std::string>& warnings = prepared->cloud.warnings;
+  const auto known = static_cast<std::ptrdiff_t>(std::min(cloud.warnings.size(), warnings.size()));
+  result->warnings.insert(result->warnings.begin(), warnings.begin() + known, warnings.end());
+  return Made{.result = std::move(*result), .preparing = std::move(prepared->stages)};
+}
+
+double method_until(const Json& parameters) { return asks_for_simplifying(parameters) ? kMethodUntil : kFinishedUntil; }
+
 }  // namespace
 
 Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters,
                            Context& context) {
-  Result<Reconstruction> result = engine_of(cloud, method, parameters, context);
-  if (result) {
-    if (Status finished = finish(*result, parameters, context); !finished) return std::move(finished).error();
-  }
-  return result;
+  Result<Made> made = make(cloud, method, parameters, asks_for_simplifying(parameters) ? kMethodUntil : 1, context);
+  if (!made) return std::move(made).error();
+  context.section(1);
+  if (Status finished = finish(made->result, parameters, context); !finished) return std::move(finished).error();
+  return std::move(made->result);
 }
 
 Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
@@ -216,28 +245,19 @@ Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
   }
   const Result<PointCloud> cloud = load(request.cloud, request.limits, request.cloud_name, context);
   if (!cloud) return cloud.error();
-  std::optional<Prepared> prepared;
-  if (asks_for_preparing(request.parameters)) {
-    context.section(kPreparedUntil);
-    Result<Prepared> ready = prepare(*cloud, request.parameters, context);
-    if (!ready) return std::move(ready).error();
-    prepared = std::move(*ready);
-  }
-  context.section(asks_for_simplifying(request.parameters) ? kMethodUntil : kFinishedUntil);
-  Result<Reconstruction> result =
-      engine_of(prepared ? prepared->cloud : *cloud, *request.method, request.parameters, context);
-  if (!result) return std::move(result).error();
+  Result<Made> made = make(*cloud, *request.method, request.parameters, method_until(request.parameters), context);
+  if (!made) return std::move(made).error();
+  Reconstruction& result = made->result;
   std::vector<std::byte> points;
   if (!request.points.empty()) {
-    points = encode_cloud_ply(result->mesh.positions, result->mesh.normals, result->mesh.colors);
+    points = encode_cloud_ply(result.mesh.positions, result.mesh.normals, result.mesh.colors);
   }
   context.section(kFinishedUntil);
-  if (Status finished = finish(*result, request.parameters, context); !finished) return std::move(finished).error();
+  if (Status finished = finish(result, request.parameters, context); !finished) return std::move(finished).error();
   if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled before the mesh was written"};
   context.section(1);
-  const Json preparing = prepared ? prepared->stages : Json::array();
-  Result<Json> report = format ? deliver(request, *cloud, preparing, *result, *format, context)
-                               : measure_unwritten(request, *cloud, preparing, *result, context);
+  Result<Json> report = format ? deliver(request, *cloud, made->preparing, result, *format, context)
+                               : measure_unwritten(request, *cloud, made->preparing, result, context);
   if (!report) return report;
   if (!request.points.empty()) {
     context.enter("write", 1);

@@ -28,7 +28,8 @@ struct MethodInfo {
   std::string summary;
   /// Where the method comes from: paper or library.
   std::string source;
-  /// What holds for every result, a sentence each.
+  /// What holds for every result of the method on the points that it gets, a sentence each. The stages before and
+  /// after it (`sample`, `simplify`, ...) give it other points and change its mesh.
   std::vector<std::string> guarantees;
   /// What does not hold, or is only reported.
   std::vector<std::string> limitations;
@@ -73,8 +74,9 @@ struct Reconstruction {
   Json hole_filling = nullptr;
 };
 
-/// Runs a method with checked parameters. The mesh is sorted, has no unused vertices, carries the
-/// cloud's normals and colours, and is the same for any number of threads and any order of the points.
+/// Runs a method with checked parameters, and the stages before and after it that they ask for. The mesh is sorted, has
+/// no unused vertices, carries the cloud's normals and colours, and is the same for any number of threads and any order
+/// of the points.
 /// @return  method_failed for an empty mesh; cancelled; too_few_points, collinear, coplanar.
 Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters, Context& context);
 

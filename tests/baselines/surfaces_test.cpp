@@ -137,6 +137,14 @@ TEST(CgalSurfaces, poisson_finds_every_part) {
   EXPECT_EQ(topology_of(*mesh).components, 3U);
 }
 
+TEST(CgalSurfaces, poisson_says_what_to_do_where_it_finds_no_surface) {
+  Context context;
+  const auto mesh = poisson(cloud_of(testing::sphere_points(100)), {}, context);
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.error().code, ErrorCode::method_failed);
+  EXPECT_NE(mesh.error().detail.find("needs more points"), std::string::npos) << mesh.error().detail;
+}
+
 TEST(CgalSurfaces, are_the_same_for_any_order_of_the_points_and_number_of_threads) {
   std::vector<Point3> points = testing::random_torus(2500, 9, 0.01);
   const PointCloud first = cloud_of(points);

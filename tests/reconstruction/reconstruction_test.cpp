@@ -223,6 +223,44 @@ TEST_F(Files, preparing_stages_count_their_points_and_stand_among_the_stages) {
   EXPECT_NEAR(sum, report->at("resources").at("wall_seconds").get<double>(), 1e-9);
 }
 
+/// Two sheets eight apart, so far from the origin that doubles are four apart: smoothing lays them on each other.
+std::vector<Point3> sheets_that_smoothing_merges() {
+  constexpr double kFar = 0x1p54;
+  std::vector<Point3> points;
+  for (int i = 0; i < 20; ++i) {
+    for (int j = 0; j < 20; ++j) {
+      for (const int side : {-4, 4}) points.push_back({kFar + 4096 * i, kFar + 4096 * j, kFar + side});
+    }
+  }
+  return points;
+}
+
+TEST_F(Files, warnings_of_preparing_stages_are_in_the_report) {
+  const auto report =
+      reconstruct(write_cloud("s.ply", sheets_that_smoothing_merges()), "s.ply.glb", Json{{"smooth", "jet"}});
+  ASSERT_TRUE(report) << report.error().detail;
+  EXPECT_THAT(report->at("warnings").dump(), HasSubstr("duplicate points merged"));
+}
+
+TEST(Run, prepares_the_cloud_as_a_file_s) {
+  Context context;
+  const auto cloud = make_cloud(testing::raw_cloud(testing::sphere_points(2000)));
+  const auto parameters = check_parameters(front(), Json{{"sample", "grid"}, {"sample_cell", 0.2}});
+  const auto result = run(*cloud, front(), *parameters, context);
+  ASSERT_TRUE(result) << result.error().detail;
+  EXPECT_LT(result->mesh.positions.size(), 1000U);
+  const auto merged = run(*make_cloud(testing::raw_cloud(sheets_that_smoothing_merges())), front(),
+                          *check_parameters(front(), Json{{"smooth", "jet"}}), context);
+  ASSERT_TRUE(merged) << merged.error().detail;
+  EXPECT_THAT(merged->warnings, ::testing::Contains(HasSubstr("duplicate points merged")));
+}
+
+TEST(MethodJson, says_of_every_method_that_stages_act_before_and_after_it) {
+  for (const Json& method : methods_json()) {
+    EXPECT_THAT(method.at("limitations").back().get<std::string>(), HasSubstr("simplify")) << method.at("id");
+  }
+}
+
 TEST_F(Files, every_preparing_stage_runs_before_any_method_and_is_counted) {
   const auto cloud = write_cloud("torus.ply", testing::random_torus(3000, 4, 0.01));
   const Json all{
