@@ -94,7 +94,7 @@ void add_routes(http::Router& router, JobService& service, CloudService& clouds,
   add_job_routes(router, service);
   add_event_routes(router, service, options);
   add_ogc_routes(router, service, options);
-  add_cloud_routes(router, service, clouds);
+  add_cloud_routes(router, service, clouds, options.cloud_time);
   add_upload_routes(router, service, clouds, uploads, options.body_bytes);
   add_output_routes(router, service);
   add_info_routes(router, service, options);

@@ -20,6 +20,8 @@ struct RouteOptions {
   SubmissionRules rules;
   /// Bytes of a cloud.
   std::uint64_t body_bytes = 0;
+  /// How long a stored cloud is kept that nobody uses; zero for ever.
+  std::chrono::seconds cloud_time{};
   /// Event streams at once; those of all jobs share them.
   std::shared_ptr<http::Places> streams;
   /// Text of /metrics.
@@ -37,7 +39,8 @@ void add_event_routes(http::Router& router, JobService& service, const RouteOpti
 void add_job_routes(http::Router& router, JobService& service);
 void add_upload_routes(http::Router& router, JobService& service, CloudService& clouds, UploadStore& store,
                        std::uint64_t most_bytes);
-void add_cloud_routes(http::Router& router, JobService& service, CloudService& clouds);
+/// @param kept  how long a cloud is kept that nobody uses; zero for ever
+void add_cloud_routes(http::Router& router, JobService& service, CloudService& clouds, std::chrono::seconds kept);
 void add_output_routes(http::Router& router, JobService& service);
 /// The viewer and the files it needs; `index` answers at the root whoever does not ask for HTML.
 void add_viewer_routes(http::Router& router, http::Handler index);

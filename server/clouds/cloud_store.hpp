@@ -32,6 +32,8 @@ struct Cloud {
   std::uint64_t bytes = 0;
   CloudStatus status = CloudStatus::inspecting;
   SystemTime created_at;
+  /// When somebody last sent it, or named it in a job.
+  SystemTime used_at;
   /// What the child found: points, bounds, attributes. Null unless ready.
   nlohmann::ordered_json facts;
   std::optional<Error> error;

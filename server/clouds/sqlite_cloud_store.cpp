@@ -18,14 +18,16 @@ CloudStatus status_named(const std::string& name) {
 }
 
 std::optional<Cloud> select_cloud(Database& database, std::string_view id) {
-  Query query(database,
-              "SELECT id, bytes, status, created_at, facts, error_code, error_detail FROM clouds WHERE id = ?");
+  Query query(
+      database,
+      "SELECT id, bytes, status, created_at, facts, error_code, error_detail, used_at FROM clouds WHERE id = ?");
   query.bind(id);
   if (!query.step()) return std::nullopt;
   Cloud cloud{query.text(0),
               static_cast<std::uint64_t>(query.number(1)),
               status_named(query.text(2)),
               from_rfc3339(query.text(3)),
+              from_rfc3339(query.text(7)),
               {},
               {}};
   if (!query.null(4)) cloud.facts = Json::parse(query.text(4), nullptr, false);

@@ -20,7 +20,10 @@ test('a cloud is stored once, read by a process, used by jobs and removed after 
   assert.equal(first.status, 201);
   assert.equal(first.body.id, createHash('sha256').update(knot).digest('hex'));
   assert.equal(first.headers.get('location'), `/v1/clouds/${first.body.id}`);
-  assert.equal((await client.post('/v1/clouds', knot)).status, 200);
+  const again = await client.post('/v1/clouds', knot);
+  assert.equal(again.status, 200);
+  assert.ok(Date.parse(again.body.expires_at) > Date.parse(first.body.expires_at), 'to send it again keeps it longer');
+  assert.equal(Date.parse(first.body.expires_at) - Date.parse(first.body.created_at), 30 * 24 * 3600e3);
   const cloud = await client.until(() => client.call('GET', `/v1/clouds/${first.body.id}`), (body) => body.status !== 'inspecting');
   assert.equal(cloud.status, 'ready', JSON.stringify(cloud.error));
   assert.equal(cloud.points, 6000);
