@@ -62,7 +62,9 @@ Method poisson_method() {
            .limitations = {"The vertices are no input points, and sharp edges are rounded.",
                            "Closedness is reported, not promised: trimming opens the mesh where points are missing.",
                            "It is as good as its normals: parts whose normals are turned the wrong way are lost.",
-                           "All points in one plane are refused."},
+                           "All points in one plane are refused. A cloud of some hundred points may find no surface "
+                           "(an error), and a part "
+                           "that small beside a larger one may be missing."},
            .parameters = schema_of(parameter_properties())},
       .interpolates = false,
       .engine = run_poisson};
