@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "baselines/baselines.hpp"
+#include "baselines/watched_kernel.hpp"
 
 namespace surfaced {
 namespace {
@@ -20,8 +21,7 @@ using VertexBase = CGAL::Advancing_front_surface_reconstruction_vertex_base_3<Ke
 using CellBase = CGAL::Advancing_front_surface_reconstruction_cell_base_3<Kernel>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
-/// Thrown through CGAL's code, which has no other way out.
-struct Cancelled {};
+using baselines::stop_if_cancelled;
 
 constexpr std::size_t kPointsBetweenChecks = 4096;
 
@@ -34,7 +34,7 @@ struct Plausibility {
   template <class Front, class Cell>
   double operator()(const Front& front, Cell& cell, int facet) const {
     if (++calls % kPointsBetweenChecks == 0) {
-      if (context->cancelled()) throw Cancelled{};
+      stop_if_cancelled(*context);
       context->report(static_cast<double>(calls) / static_cast<double>(expected_calls));
     }
     return front.smallest_radius_delaunay_sphere(cell, facet);
@@ -69,7 +69,7 @@ void insert_all(Delaunay& delaunay, const std::vector<Point>& points, Context& c
   Delaunay::Vertex_handle hint;
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i % kPointsBetweenChecks == 0) {
-      if (context.cancelled()) throw Cancelled{};
+      stop_if_cancelled(context);
       context.report(static_cast<double>(i) / static_cast<double>(order.size()));
     }
     hint = delaunay.insert(points[order[i]], hint);
@@ -118,7 +118,7 @@ Result<TriangleMesh> advancing_front(const PointCloud& cloud, const AdvancingFro
   }
   try {
     return reconstruct(cloud, parameters, context);
-  } catch (const Cancelled&) {
+  } catch (const baselines::Cancelled&) {
     return Error{ErrorCode::cancelled, "cancelled during the advancing front"};
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::out_of_memory, "the advancing front over " + std::to_string(cloud.size()) +
