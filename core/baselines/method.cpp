@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "base/union_find.hpp"
 #include "preparing/preparing.hpp"
 
 namespace surfaced::baselines {
@@ -50,20 +49,9 @@ void sort_mesh(TriangleMesh& mesh) {
 
 namespace {
 
-/// The fan of every corner: corners at one vertex whose triangles are joined across edges there.
-UnionFind fans_of(const TriangleMesh& mesh) {
-  const HalfEdges edges(mesh.triangles, mesh.positions.size());
-  UnionFind fans(3 * mesh.triangles.size());
-  for (std::size_t h = 0; h < 3 * mesh.triangles.size(); ++h) {
-    const HalfEdgeIndex mate = edges.mate(HalfEdgeIndex(h));
-    if (mate.valid()) fans.unite(h, HalfEdges::next(mate));
-  }
-  return fans;
-}
-
 /// Triangles in other fans than the largest (then the first) of each vertex.
 std::vector<bool> pinched(const TriangleMesh& mesh) {
-  UnionFind fans = fans_of(mesh);
+  UnionFind fans = fans_of_corners(mesh);
   std::vector<std::uint32_t> size(3 * mesh.triangles.size(), 0);
   for (std::size_t c = 0; c < size.size(); ++c) ++size[fans.find(c)];
   std::vector<std::uint32_t> largest(mesh.positions.size(), VertexIndex::kNone);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/base.hpp"
+#include "base/union_find.hpp"
 
 namespace surfaced {
 
@@ -82,6 +83,11 @@ struct Components {
   std::size_t count = 0;
 };
 Components components_of(const TriangleMesh& mesh);
+
+/// The fan or umbrella of every corner (corner h is where half-edge h starts): corners at one vertex whose triangles are
+/// joined across edges of two triangles that agree in orientation.
+/// @cost  O(F).
+UnionFind fans_of_corners(const TriangleMesh& mesh);
 
 /// Signed volume enclosed by the given triangles (positive when they face outwards), by the
 /// divergence theorem about the first vertex, so that a far-off origin costs no digits.

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/union_find.hpp"
 #include "mesh/mesh.hpp"
 
 namespace surfaced {
@@ -195,6 +194,16 @@ Components components_of(const TriangleMesh& mesh) {
     components.of_triangle[t] = id;
   }
   return components;
+}
+
+UnionFind fans_of_corners(const TriangleMesh& mesh) {
+  const HalfEdges half_edges(mesh.triangles, mesh.positions.size());
+  UnionFind fans(3 * mesh.triangles.size());
+  for (std::size_t h = 0; h < fans.size(); ++h) {
+    const HalfEdgeIndex mate = half_edges.mate(HalfEdgeIndex(h));
+    if (mate.valid()) fans.unite(h, HalfEdges::next(mate));
+  }
+  return fans;
 }
 
 double signed_volume(const TriangleMesh& mesh) {

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "base/float32.hpp"
-#include "base/union_find.hpp"
 #include "base/vectors.hpp"
 #include "quality/quality.hpp"
 #include "simplification/collapse.hpp"
@@ -21,12 +20,7 @@ using simplification::Stop;
 /// Gives every umbrella a vertex of its own; vertices that triangles leave out stay.
 TriangleMesh with_umbrellas_apart(const TriangleMesh& mesh) {
   TriangleMesh apart = mesh;
-  const HalfEdges half_edges(mesh.triangles, mesh.positions.size());
-  UnionFind corners(3 * mesh.triangles.size());
-  for (std::size_t h = 0; h < corners.size(); ++h) {
-    const HalfEdgeIndex mate = half_edges.mate(HalfEdgeIndex(h));
-    if (mate.valid()) corners.unite(h, HalfEdges::next(mate));
-  }
+  UnionFind corners = fans_of_corners(mesh);
   std::vector<bool> taken(mesh.positions.size(), false);
   std::vector<VertexIndex> vertex_of(corners.size());
   for (std::size_t h = 0; h < corners.size(); ++h) {
