@@ -84,8 +84,8 @@ struct Components {
 };
 Components components_of(const TriangleMesh& mesh);
 
-/// The fan or umbrella of every corner (corner h is where half-edge h starts): corners at one vertex whose triangles are
-/// joined across edges of two triangles that agree in orientation.
+/// The fan or umbrella of every corner (corner h is where half-edge h starts): corners at one vertex whose triangles
+/// are joined across edges of two triangles that agree in orientation.
 /// @cost  O(F).
 UnionFind fans_of_corners(const TriangleMesh& mesh);
 

@@ -1,20 +1,15 @@
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/AABB_triangle_primitive.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Random.h>
 
 #include "quality/quality.hpp"
+#include "quality/triangle_tree.hpp"
 
 namespace surfaced {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Triangles = std::vector<Kernel::Triangle_3>;
-using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
-
-Kernel::Point_3 point(const Point3& p) { return {p[0], p[1], p[2]}; }
+using quality::Kernel;
+using quality::point;
+using quality::Tree;
+using quality::Triangles;
 
 /// How a segment from a query point to a point outside the mesh's bounds meets the mesh.
 enum class Crossing : std::uint8_t { inside, outside, on_surface, ambiguous };

@@ -1,24 +1,18 @@
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/AABB_triangle_primitive.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "base/vectors.hpp"
 #include "quality/quality.hpp"
+#include "quality/triangle_tree.hpp"
 
 namespace surfaced {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Triangles = std::vector<Kernel::Triangle_3>;
-using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
-
-Kernel::Point_3 point(const Point3& p) { return {p[0], p[1], p[2]}; }
+using quality::Kernel;
+using quality::point;
+using quality::Tree;
+using quality::Triangles;
 
 /// Fractional part of i times an irrational number: evenly spread, the same in every run.
 double spread(std::size_t i, double step) {

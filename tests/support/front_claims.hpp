@@ -74,6 +74,15 @@ inline std::vector<NastyCloud> large_nasty_clouds() {
       std::move(sheets), std::move(lattice), std::move(repeats), std::move(scales), {"cube", random_points(5000, 3)}};
 }
 
+/// Of the unit sphere: closed, outwards, with every point.
+inline void expect_whole_sphere(const TriangleMesh& mesh, std::size_t points) {
+  const Topology topology = topology_of(mesh);
+  EXPECT_EQ(topology.vertices, points);
+  EXPECT_EQ(topology.genus, 0);
+  EXPECT_TRUE(topology.closed);
+  EXPECT_GT(signed_volume(mesh), 4.1);
+}
+
 template <class Method>
 class FrontClaims : public ::testing::Test {
  protected:
@@ -126,11 +135,7 @@ TYPED_TEST_SUITE_P(FrontClaims);
 TYPED_TEST_P(FrontClaims, interpolates_every_point_of_a_sphere_and_faces_outwards) {
   const auto result = this->reconstruct(sphere_points(3000));
   ASSERT_TRUE(result);
-  const Topology topology = topology_of(result->mesh);
-  EXPECT_EQ(topology.vertices, 3000U);
-  EXPECT_EQ(topology.genus, 0);
-  EXPECT_TRUE(topology.closed);
-  EXPECT_GT(signed_volume(result->mesh), 4.1);
+  expect_whole_sphere(result->mesh, 3000);
 }
 
 TYPED_TEST_P(FrontClaims, finds_the_handle_of_a_torus_also_where_the_points_are_random) {
