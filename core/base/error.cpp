@@ -19,6 +19,21 @@ constexpr auto kRows = std::to_array<Row>({
 
 const Row& row(ErrorCode code) { return kRows.at(static_cast<std::size_t>(code)); }
 
+/// What was given may be as long as a body may be; whoever gave it knows the rest.
+constexpr std::size_t kLongestEcho = 1000;
+
+/// Cuts a text that came from outside, between two characters of UTF-8, and the same where the detail quotes it.
+void shorten(std::string& echoed, std::string& detail) {
+  if (echoed.size() <= kLongestEcho) return;
+  const auto goes_on = [&](std::size_t at) { return (static_cast<unsigned char>(echoed[at]) & 0xC0U) == 0x80U; };
+  std::size_t end = kLongestEcho;
+  // A character has four bytes at most; bytes that are no UTF-8 are cut where the limit is.
+  while (end > kLongestEcho - 3 && goes_on(end)) --end;
+  std::string cut = echoed.substr(0, end) + "...";
+  if (const std::size_t at = detail.find(echoed); at != detail.npos) detail.replace(at, echoed.size(), cut);
+  echoed = std::move(cut);
+}
+
 }  // namespace
 
 std::string_view name_of(ErrorCode code) { return row(code).name; }
@@ -33,6 +48,8 @@ bool error_code_named(std::string_view name, ErrorCode& code) {
 }
 
 Error with_fault(Error error, Fault fault) {
+  shorten(fault.field, error.detail);
+  if (fault.value) shorten(*fault.value, error.detail);
   error.fault = std::make_shared<const Fault>(std::move(fault));
   return error;
 }

@@ -25,6 +25,23 @@ TEST(ErrorCode, exit_codes_are_those_of_the_contract) {
   EXPECT_EQ(exit_code_of(ErrorCode::cancelled), 5);
 }
 
+TEST(Fault, what_was_given_is_echoed_to_a_bounded_length_between_two_characters) {
+  const std::string name(1'000'000, 'n');
+  const Error named =
+      with_fault({ErrorCode::unknown_parameter, "no parameter '" + name + "'; there is x"}, {name, std::nullopt, "x"});
+  const std::string cut = std::string(1000, 'n') + "...";
+  EXPECT_EQ(named.detail, "no parameter '" + cut + "'; there is x");
+  EXPECT_EQ(named.fault->field, cut);
+  std::string accents = "a";
+  while (accents.size() < 5000) accents += "\u00e9";
+  const Error valued =
+      with_fault({ErrorCode::invalid_parameter, "'x' is '" + accents + "'"}, {"x", accents, "a number"});
+  EXPECT_EQ(*valued.fault->value, accents.substr(0, 999) + "...");
+  EXPECT_EQ(valued.detail, "'x' is '" + accents.substr(0, 999) + "...'");
+  const Error brief = with_fault({ErrorCode::invalid_parameter, "'x' is '7'"}, {"x", "7", "a word"});
+  EXPECT_EQ(brief.detail, "'x' is '7'");
+}
+
 TEST(Result, holds_a_value_or_an_error) {
   const Result<int> value = 7;
   const Result<int> error = Error{ErrorCode::empty_input, "0 bytes"};

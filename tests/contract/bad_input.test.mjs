@@ -45,6 +45,16 @@ test('unknown parameter', async () => {
   await refused(json({ cloud_id: 'x', color: 'red' }), 400, 'invalid_request', 'color', '"red"', /cloud_id/);
 });
 
+test('what is wrong is echoed to a bounded length, however long it is', async () => {
+  const long = 'x'.repeat(900_000);
+  for (const body of [{ parameters: { [long]: 1 } }, { method: long }, { [long]: 1 }, { parameters: { beta: long } }, { labels: [long] }]) {
+    const { status, body: problem } = await json({ cloud_id: 'x', method: 'advancing-front', ...body });
+    assert.equal(status, 400);
+    assert.ok(JSON.stringify(problem).length < 8000, `${problem.code} has ${JSON.stringify(problem).length} characters`);
+    assert.match(problem.detail, /xxx/);
+  }
+});
+
 test('value out of range', async () => {
   await refused(submit('method=advancing-front&beta=99'), 400, 'invalid_parameter', 'beta', '99', /number/);
   await refused(submit('ttl_seconds=1'), 400, 'invalid_parameter', 'ttl_seconds', '1', /60/);
