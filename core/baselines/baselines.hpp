@@ -48,15 +48,23 @@ struct PoissonParameters {
   double facet_radius = 2;
   /// Largest distance of a triangle's circumcentre from the surface.
   double facet_distance = 0.25;
-  /// Nearest neighbours that normals are estimated from, where the cloud has none.
+  /// Nearest neighbours that normals are estimated from, where the cloud has none; at most a 24th of the points, but 9.
   std::size_t normal_neighbours = 18;
 };
 
+struct PoissonResult {
+  static constexpr double kLeftOut = 2;
+  TriangleMesh mesh;
+  /// Points further from all vertices than `facet_radius` and this many spacings more: outliers, and parts of which no
+  /// surface was found.
+  std::size_t points_left_out = 0;
+};
+
 /// @return  a mesh with vertices of its own, which carry the normals and colours of the nearest point; it faces
-///          outwards. too_few_points (4 needed), coplanar, cancelled, out_of_memory, method_failed.
+///          outwards. too_few_points (4 needed, 10 without normals), coplanar, cancelled, out_of_memory, method_failed.
 /// @cost    a refined Delaunay triangulation of some 6 vertices a point, a sparse linear system on it, and a second
 ///          Delaunay triangulation of the surface.
-Result<TriangleMesh> poisson(const PointCloud& cloud, const PoissonParameters& parameters, Context& context);
+Result<PoissonResult> poisson(const PointCloud& cloud, const PoissonParameters& parameters, Context& context);
 
 /// Alpha wrapping (Portaneri et al. 2022): shrinks a box around the points until it holds them. All lengths in
 /// spacings.

@@ -2,6 +2,7 @@
 // Poisson_surface_reconstruction_3 on a Delaunay triangulation; meshed after J.-D. Boissonnat, S. Oudot, "Provably good
 // sampling and meshing of surfaces", Graphical Models 67 (2005).
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -26,22 +27,9 @@ OrientedPoints oriented_points(const PointCloud& cloud, const LocalFrame& frame)
   return points;
 }
 
-/// One point in every cell of a coarse grid.
-Result<std::vector<std::size_t>> seeds_of(const PointCloud& cloud, double spacing, Context& context) {
-  constexpr double kCell = 8;
-  PointCloud bare;
-  bare.positions = cloud.positions;
-  const Result<PointCloud> sample = sampled(bare, kCell * spacing, context);
-  if (!sample) return sample.error();
-  std::vector<std::size_t> seeds;
-  for (const VertexIndex v : nearest_points(cloud.positions, sample->positions, context.threads()).index) {
-    seeds.push_back(v);
-  }
-  return seeds;
-}
-
 /// Drops triangles that are further from the points than `reach`, measured at corners and centre.
-void trim(const PointCloud& cloud, double reach, TriangleMesh& mesh, unsigned threads) {
+/// @return  whether there were any.
+bool trim(const PointCloud& cloud, double reach, TriangleMesh& mesh, unsigned threads) {
   std::vector<Point3> places = mesh.positions;
   for (const Triangle& t : mesh.triangles) {
     places.push_back((1.0 / 3) * (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]));
@@ -54,20 +42,43 @@ void trim(const PointCloud& cloud, double reach, TriangleMesh& mesh, unsigned th
         std::max({distance[t[0]], distance[t[1]], distance[t[2]], distance[mesh.positions.size() + i]});
     if (farthest <= reach) kept.push_back(t);
   }
-  if (kept.size() == mesh.triangles.size()) return;
+  const bool dropped = kept.size() < mesh.triangles.size();
   mesh.triangles = std::move(kept);
-  baselines::drop_pinched_fans(mesh);
+  return dropped;
 }
 
-Result<TriangleMesh> reconstruct(const PointCloud& cloud, const PoissonParameters& parameters, Context& context) {
+/// Drops the triangles at edges where two disagree in orientation: they do where the surface leaves the sphere in which
+/// it is looked for, so that not all of its facets are there.
+/// @return  whether there were any.
+bool drop_disagreeing(TriangleMesh& mesh) {
+  const HalfEdges edges(mesh.triangles, mesh.positions.size());
+  const auto disagrees = [&](std::size_t t) {
+    return std::ranges::any_of(std::array{3 * t, 3 * t + 1, 3 * t + 2}, [&](std::size_t h) {
+      return edges.uses(edges.edge_of(HalfEdgeIndex(h))) == 2 && !edges.mate(HalfEdgeIndex(h)).valid();
+    });
+  };
+  std::vector<Triangle> kept;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!disagrees(t)) kept.push_back(mesh.triangles[t]);
+  }
+  const bool dropped = kept.size() < mesh.triangles.size();
+  mesh.triangles = std::move(kept);
+  return dropped;
+}
+
+/// Points further from all vertices than triangles are large and points scatter: outliers, and parts that are missing.
+std::size_t count_left_out(const PointCloud& cloud, const TriangleMesh& mesh, double reach, unsigned threads) {
+  const std::vector<double> distance = nearest_points(mesh.positions, cloud.positions, threads).distance;
+  return static_cast<std::size_t>(std::ranges::count_if(distance, [&](double d) { return d > reach; }));
+}
+
+PoissonResult reconstruct(const PointCloud& cloud, const PoissonParameters& parameters, Context& context) {
   constexpr std::size_t kVerticesPerPoint = 10;
   constexpr std::size_t kVerticesAlways = 5'000;
   const double spacing = spacing_of(cloud.positions, context.threads());
-  const Result<std::vector<std::size_t>> seeds = seeds_of(cloud, spacing, context);
-  if (!seeds) return seeds.error();
   const LocalFrame frame(cloud.positions);
   const double unit = frame.to_local(spacing);
-  TriangleMesh mesh = baselines::poisson_surface(oriented_points(cloud, frame), *seeds,
+  TriangleMesh mesh = baselines::poisson_surface(oriented_points(cloud, frame),
                                                  {.spacing = unit,
                                                   .facet_radius = parameters.facet_radius * unit,
                                                   .facet_distance = parameters.facet_distance * unit,
@@ -75,31 +86,47 @@ Result<TriangleMesh> reconstruct(const PointCloud& cloud, const PoissonParameter
                                                  context);
   context.enter("trim", 1);
   for (Point3& p : mesh.positions) p = frame.to_input(p);
-  if (parameters.trim) trim(cloud, *parameters.trim * spacing, mesh, context.threads());
+  const bool trimmed = parameters.trim && trim(cloud, *parameters.trim * spacing, mesh, context.threads());
+  if (drop_disagreeing(mesh) || trimmed) baselines::drop_pinched_fans(mesh);
   if (mesh.triangles.empty()) {
     throw std::runtime_error("no triangle of its surface was found near the " + std::to_string(cloud.size()) +
                              " points; it needs more points of each part, or a larger trim; other methods take fewer");
   }
   baselines::sort_mesh(mesh);
   baselines::carry_attributes(cloud, mesh, context.threads());
-  return mesh;
+  const double reach = (parameters.facet_radius + PoissonResult::kLeftOut) * spacing;
+  const std::size_t left_out = count_left_out(cloud, mesh, reach, context.threads());
+  return {.mesh = std::move(mesh), .points_left_out = left_out};
+}
+
+constexpr std::size_t kFewestNeighbours = 9;
+
+/// Neighbourhoods that are small compared to the cloud: a sphere of 20 points lost half of itself to 18 neighbours.
+std::size_t neighbours_of_normals(std::size_t points) {
+  constexpr std::size_t kNeighbourhoods = 24;
+  return std::max(kFewestNeighbours, points / kNeighbourhoods);
 }
 
 }  // namespace
 
-Result<TriangleMesh> poisson(const PointCloud& cloud, const PoissonParameters& parameters, Context& context) {
+Result<PoissonResult> poisson(const PointCloud& cloud, const PoissonParameters& parameters, Context& context) {
   constexpr std::size_t kFewestPoints = 4;
-  if (Status enough = baselines::check_points(cloud, kFewestPoints, "Poisson reconstruction"); !enough) {
+  const bool has_normals = !cloud.normals.empty();
+  if (Status enough =
+          has_normals ? baselines::check_points(cloud, kFewestPoints, "Poisson reconstruction")
+                      : baselines::check_points(cloud, kFewestNeighbours + 1, "Poisson reconstruction without normals");
+      !enough) {
     return std::move(enough).error();
   }
-  const auto run = [&]() -> Result<TriangleMesh> {
-    if (!cloud.normals.empty()) return reconstruct(cloud, parameters, context);
+  const auto run = [&]() -> Result<PoissonResult> {
+    if (has_normals) return reconstruct(cloud, parameters, context);
     context.enter("normals", 0.2);
-    Result<PointCloud> with = with_normals(cloud, NormalFit::jet, parameters.normal_neighbours, context);
+    const std::size_t neighbours = std::min(parameters.normal_neighbours, neighbours_of_normals(cloud.size()));
+    Result<PointCloud> with = with_normals(cloud, NormalFit::jet, neighbours, context);
     if (!with) return std::move(with).error();
-    Result<TriangleMesh> mesh = reconstruct(*with, parameters, context);
-    if (mesh) mesh->normals.clear();
-    return mesh;
+    PoissonResult result = reconstruct(*with, parameters, context);
+    result.mesh.normals.clear();
+    return result;
   };
   try {
     return baselines::guarded("Poisson reconstruction", cloud, context, run);

@@ -11,7 +11,10 @@
 #include <CGAL/property_map.h>
 
 #include <Eigen/IterativeLinearSolvers>
+#include <algorithm>
 #include <map>
+#include <numbers>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <unordered_map>
@@ -19,6 +22,7 @@
 
 #include "base/vectors.hpp"
 #include "baselines/watched_kernel.hpp"
+#include "preparing/preparing.hpp"
 
 namespace surfaced::baselines {
 namespace {
@@ -144,6 +148,52 @@ struct Insertions {
   }
 };
 
+/// @param around  put beside the points, without a normal.
+Poisson solved(const std::vector<PointVector>& input, const std::vector<Point>& around, Context& context) {
+  std::size_t done = 0;
+  const Insertions insertions{&context, &done, input.size()};
+  Poisson function(input.begin(), input.end(), CGAL::First_of_pair_property_map<PointVector>(),
+                   CGAL::Second_of_pair_property_map<PointVector>(), insertions);
+  if (function.tr().dimension() < 3) throw Flat{};
+  // The function gives its triangulation away for reading only, but it is no constant.
+  auto& triangulation = const_cast<Poisson::Triangulation&>(function.tr());
+  for (const Point& p : around) {
+    triangulation.insert({p, CGAL::NULL_VECTOR}, Poisson::Triangulation::STEINER, {}, insertions);
+  }
+  if (!function.compute_implicit_function(Solver(), insertions)) {
+    throw std::runtime_error("its linear system could not be solved");
+  }
+  return function;
+}
+
+/// Whether the triangulation ends somewhere at the points.
+bool ends_at_points(const Poisson& function) {
+  const Poisson::Triangulation& triangulation = function.tr();
+  std::vector<Poisson::Triangulation::Vertex_handle> hull;
+  triangulation.adjacent_vertices(triangulation.infinite_vertex(), std::back_inserter(hull));
+  return std::ranges::any_of(hull, [](const auto& v) { return v->type() == Poisson::Triangulation::INPUT; });
+}
+
+/// The corners of an icosahedron on the sphere up to which the library refines.
+std::vector<Point> corners_around(const Poisson& function) {
+  constexpr double kEnlarged = 1.5;  // as in compute_implicit_function
+  const auto sphere = function.bounding_sphere();
+  const double shorter = kEnlarged * std::sqrt(sphere.squared_radius() / (2 + std::numbers::phi));
+  const double longer = std::numbers::phi * shorter;
+  std::vector<Point> corners;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double y : {-shorter, shorter}) {
+      for (const double z : {-longer, longer}) {
+        std::array<double, 3> off{};
+        off.at((axis + 1) % 3) = y;
+        off.at((axis + 2) % 3) = z;
+        corners.push_back(sphere.center() + WatchedKernel::Vector_3(off[0], off[1], off[2]));
+      }
+    }
+  }
+  return corners;
+}
+
 Poisson solved(const OrientedPoints& points, Context& context) {
   context.enter("poisson-function", 0.5);
   std::vector<PointVector> input;
@@ -153,14 +203,10 @@ Poisson solved(const OrientedPoints& points, Context& context) {
     const Point3& n = points.normals[v];
     input.emplace_back(Point(p[0], p[1], p[2]), WatchedKernel::Vector_3(n[0], n[1], n[2]));
   }
-  std::size_t done = 0;
-  const Insertions insertions{&context, &done, input.size()};
-  Poisson function(input.begin(), input.end(), CGAL::First_of_pair_property_map<PointVector>(),
-                   CGAL::Second_of_pair_property_map<PointVector>(), insertions);
-  if (function.tr().dimension() < 3) throw Flat{};
-  if (!function.compute_implicit_function(Solver(), insertions)) {
-    throw std::runtime_error("its linear system could not be solved");
-  }
+  Poisson function = solved(input, {}, context);
+  // The library adds nothing but circumcentres of bad tetrahedra. Where the points are spread evenly on something
+  // convex none of these is outside, and a function that ends at the points is no use.
+  if (ends_at_points(function)) return solved(input, corners_around(function), context);
   return function;
 }
 
@@ -228,24 +274,17 @@ TriangleMesh triangles_of(const Complex& complex, const WatchedFunction& functio
   return mesh;
 }
 
-}  // namespace
-
-TriangleMesh poisson_surface(const OrientedPoints& points, const std::vector<std::size_t>& seeds,
-                             const SurfaceOptions& options, Context& context) {
-  // As in CGAL's poisson_surface_reconstruction_delaunay.
+/// As in CGAL's poisson_surface_reconstruction_delaunay.
+/// @param places  points of the surface, some on each part.
+TriangleMesh meshed(const Poisson& poisson, const std::vector<Point3>& places, const SurfaceOptions& options) {
   constexpr double kLeastAngle = 20;
   constexpr double kSphere = 5;
   constexpr double kBisection = 1e-3;
-  const Poisson poisson = solved(points, context);
-  context.enter("poisson-surface", 0.95);
   Tessellation tessellation;
   Complex complex(tessellation);
   const WatchedFunction function{&poisson, &tessellation, options.most_vertices};
-  for (const std::size_t v : seeds) {
-    const auto place = on_surface(function, points.positions[v], points.normals[v], options.spacing);
-    if (place) tessellation.insert(library_point(*place));
-  }
-  if (tessellation.number_of_vertices() == 0) throw std::runtime_error("its function has no zero near the points");
+  for (const Point3& place : places) tessellation.insert(library_point(place));
+  if (tessellation.dimension() < 3) return {};
   const double radius = kSphere * std::sqrt(poisson.bounding_sphere().squared_radius());
   using Surface = CGAL::Implicit_surface_3<ExactKernel, WatchedFunction>;
   const Surface surface(function, ExactKernel::Sphere_3(poisson.get_inner_point(), radius * radius),
@@ -254,6 +293,67 @@ TriangleMesh poisson_surface(const OrientedPoints& points, const std::vector<std
                                                                      options.facet_distance);
   CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Manifold_with_boundary_tag(), 0);
   return triangles_of(complex, function);
+}
+
+/// The places that are further than `reach` from all vertices.
+std::vector<std::size_t> far_from(const std::vector<Point3>& vertices, const std::vector<Point3>& places, double reach,
+                                  unsigned threads) {
+  std::vector<std::size_t> far(places.size());
+  std::iota(far.begin(), far.end(), std::size_t{0});
+  if (vertices.empty()) return far;
+  const std::vector<double> distance = nearest_points(vertices, places, threads).distance;
+  std::erase_if(far, [&](std::size_t v) { return distance[v] <= reach; });
+  return far;
+}
+
+/// Where the surface is near the points that are far from all of these vertices, looked for from one point in every
+/// cell of a grid.
+/// @param cell  in spacings, that of the points that are asked or that of all, whichever is less.
+std::vector<Point3> new_places(const Poisson& poisson, const OrientedPoints& points, const TriangleMesh& mesh,
+                               const SurfaceOptions& options, double cell, Context& context) {
+  // A vertex is nearer than one facet radius to all of the surface around it.
+  const double covered = 1.5 * options.facet_radius;
+  const std::vector<std::size_t> far =
+      far_from(mesh.positions, points.positions, options.facet_radius + options.spacing, context.threads());
+  if (far.empty()) return {};
+  PointCloud asked;
+  for (const std::size_t v : far) asked.positions.push_back(points.positions[v]);
+  const double spacing = mesh.positions.empty()
+                             ? options.spacing
+                             : std::min(options.spacing, spacing_of(asked.positions, context.threads()));
+  const Result<PointCloud> sample = sampled(asked, cell * spacing, context);
+  if (!sample) {
+    stop_if_cancelled(context);
+    throw std::runtime_error(sample.error().detail);
+  }
+  const Tessellation none;
+  const WatchedFunction function{&poisson, &none, options.most_vertices};
+  std::vector<Point3> found;
+  for (const VertexIndex i : nearest_points(asked.positions, sample->positions, context.threads()).index) {
+    const auto place = on_surface(function, asked.positions[i], points.normals[far[i]], spacing);
+    if (place) found.push_back(*place);
+  }
+  std::vector<Point3> places;
+  for (const std::size_t i : far_from(mesh.positions, found, covered, context.threads())) places.push_back(found[i]);
+  return places;
+}
+
+}  // namespace
+
+TriangleMesh poisson_surface(const OrientedPoints& points, const SurfaceOptions& options, Context& context) {
+  // The mesher follows the surface from facets that it is given, so each part needs a few: coarse cells find large
+  // parts, and finer ones what these missed.
+  constexpr std::array kCells{8.0, 2.0, 0.5};
+  const Poisson poisson = solved(points, context);
+  context.enter("poisson-surface", 0.95);
+  TriangleMesh mesh;
+  for (const double cell : kCells) {
+    std::vector<Point3> places = new_places(poisson, points, mesh, options, cell, context);
+    if (places.empty()) continue;
+    places.insert(places.begin(), mesh.positions.begin(), mesh.positions.end());
+    mesh = meshed(poisson, places, options);
+  }
+  return mesh;
 }
 
 }  // namespace surfaced::baselines

@@ -28,10 +28,8 @@ struct SurfaceOptions {
 /// Thrown for points, or a random half thousand of them, in one plane.
 struct Flat {};
 
-/// The zero set as triangles that face outwards.
-/// @param seeds  points near which the meshing begins: each part of the surface needs one.
+/// The zero set as triangles that face outwards; empty if none of it is near the points.
 /// @throws Cancelled, Flat, std::exception.
-TriangleMesh poisson_surface(const OrientedPoints& points, const std::vector<std::size_t>& seeds,
-                             const SurfaceOptions& options, Context& context);
+TriangleMesh poisson_surface(const OrientedPoints& points, const SurfaceOptions& options, Context& context);
 
 }  // namespace surfaced::baselines

@@ -12,12 +12,20 @@ Result<Reconstruction> run_poisson(const PointCloud& cloud, const Json& paramete
   } else if (reach.is_number()) {
     poisson_parameters.trim = reach.get<double>();
   }
-  Result<TriangleMesh> mesh = poisson(cloud, poisson_parameters, context);
-  if (!mesh) return std::move(mesh).error();
-  Reconstruction result{.mesh = std::move(*mesh), .warnings = {}, .statistics = nullptr};
+  Result<PoissonResult> poisson_result = poisson(cloud, poisson_parameters, context);
+  if (!poisson_result) return std::move(poisson_result).error();
+  const std::size_t left_out = poisson_result->points_left_out;
+  Reconstruction result{
+      .mesh = std::move(poisson_result->mesh), .warnings = {}, .statistics = Json{{"points_left_out", left_out}}};
   if (cloud.normals.empty()) {
     result.warnings.emplace_back(
         "the cloud has no normals: they were estimated, and the highest point of each part was taken to face up");
+  }
+  if (left_out > 0) {
+    result.warnings.push_back(std::to_string(left_out) + " of " + std::to_string(cloud.size()) +
+                              " points are further than " +
+                              Json(poisson_parameters.facet_radius + PoissonResult::kLeftOut).dump() +
+                              " spacings from all vertices: outliers, or parts of which no surface was found");
   }
   return result;
 }
@@ -49,23 +57,23 @@ Json parameter_properties() {
 
 Method poisson_method() {
   return {
-      .info =
-          {.id = "poisson",
-           .title = "Poisson reconstruction (CGAL)",
-           .summary = "Fits an indicator function to the normals and meshes its zero set, with vertices of its own. "
-                      "For noisy scans with or without normals; what has no points near it is trimmed away.",
-           .source = "M. Kazhdan, M. Bolitho, H. Hoppe, Poisson surface reconstruction, SGP 2006; CGAL, "
-                     "Poisson_surface_reconstruction_3 and Surface_mesher",
-           .guarantees = {"The mesh is edge- and vertex-manifold, consistently oriented, outwards.",
-                          "Normals and colours are those of the nearest input point.",
-                          "Normals are estimated and oriented where the cloud has none."},
-           .limitations = {"The vertices are no input points, and sharp edges are rounded.",
-                           "Closedness is reported, not promised: trimming opens the mesh where points are missing.",
-                           "It is as good as its normals: parts whose normals are turned the wrong way are lost.",
-                           "All points in one plane are refused. A cloud of some hundred points may find no surface "
-                           "(an error), and a part "
-                           "that small beside a larger one may be missing."},
-           .parameters = schema_of(parameter_properties())},
+      .info = {.id = "poisson",
+               .title = "Poisson reconstruction (CGAL)",
+               .summary =
+                   "Fits an indicator function to the normals and meshes its zero set, with vertices of its own. "
+                   "For noisy scans with or without normals; what has no points near it is trimmed away.",
+               .source = "M. Kazhdan, M. Bolitho, H. Hoppe, Poisson surface reconstruction, SGP 2006; CGAL, "
+                         "Poisson_surface_reconstruction_3 and Surface_mesher",
+               .guarantees = {"The mesh is edge- and vertex-manifold, consistently oriented, outwards.",
+                              "Normals and colours are those of the nearest input point.",
+                              "Normals are estimated and oriented where the cloud has none."},
+               .limitations =
+                   {"The vertices are no input points, and sharp edges are rounded.",
+                    "Closedness is reported, not promised: trimming opens the mesh where points are missing.",
+                    "It is as good as its normals: parts whose normals are turned the wrong way are lost.",
+                    "Fewer than 10 points without normals are refused, and all points in one plane. A part of which "
+                    "no surface is found is missing, with a warning that counts its points."},
+               .parameters = schema_of(parameter_properties())},
       .interpolates = false,
       .engine = run_poisson};
 }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <random>
 
+#include "base/vectors.hpp"
 #include "baselines/baselines.hpp"
 #include "support/nasty_clouds.hpp"
 #include "support/shapes.hpp"
@@ -18,7 +19,11 @@ Result<TriangleMesh> wrapped(const PointCloud& cloud, Context& context) {
   if (!result) return std::move(result).error();
   return std::move(result->mesh);
 }
-Result<TriangleMesh> by_poisson(const PointCloud& cloud, Context& context) { return poisson(cloud, {}, context); }
+Result<TriangleMesh> by_poisson(const PointCloud& cloud, Context& context) {
+  Result<PoissonResult> result = poisson(cloud, {}, context);
+  if (!result) return std::move(result).error();
+  return std::move(result->mesh);
+}
 Result<TriangleMesh> by_scale_space(const PointCloud& cloud, Context& context) {
   return scale_space(cloud, {}, context);
 }
@@ -122,9 +127,9 @@ TEST(CgalSurfaces, poisson_keeps_a_bowl_open_unless_told_otherwise) {
   const auto open = poisson(cloud, {}, context);
   const auto whole = poisson(cloud, {.trim = std::nullopt}, context);
   ASSERT_TRUE(open && whole);
-  EXPECT_EQ(topology_of(*open).boundary_loops, 1U);
-  EXPECT_TRUE(topology_of(*open).vertex_manifold);
-  EXPECT_TRUE(topology_of(*whole).closed);
+  EXPECT_EQ(topology_of(open->mesh).boundary_loops, 1U);
+  EXPECT_TRUE(topology_of(open->mesh).vertex_manifold);
+  EXPECT_TRUE(topology_of(whole->mesh).closed);
 }
 
 TEST(CgalSurfaces, poisson_finds_every_part) {
@@ -132,17 +137,77 @@ TEST(CgalSurfaces, poisson_finds_every_part) {
   for (const Point3& p : testing::sphere_points(300, {9, 0, 0}, 0.3)) points.push_back(p);
   for (const Point3& p : testing::sphere_points(300, {0, -9, 4}, 0.3)) points.push_back(p);
   Context context;
-  const auto mesh = poisson(cloud_of(points), {}, context);
-  ASSERT_TRUE(mesh) << mesh.error().detail;
-  EXPECT_EQ(topology_of(*mesh).components, 3U);
+  const auto result = poisson(cloud_of(points), {}, context);
+  ASSERT_TRUE(result) << result.error().detail;
+  EXPECT_EQ(topology_of(result->mesh).components, 3U);
+  EXPECT_EQ(result->points_left_out, 0U);
+}
+
+/// Even on faces 0, 1, ... of the cube of side 2.
+std::vector<Point3> random_cube(std::size_t n, std::uint32_t seed) {
+  std::vector<Point3> points = testing::random_points(n, seed);
+  for (std::size_t i = 0; i < n; ++i) points[i].at(i % 3) = i % 6 < 3 ? 1 : -1;
+  return points;
+}
+std::vector<Point3> random_sphere(std::size_t n, std::uint32_t seed) {
+  std::vector<Point3> points = testing::random_points(n, seed);
+  for (Point3& p : points) p = (1 / norm(p)) * p;
+  return points;
+}
+
+void expect_a_body(const std::vector<Point3>& points, double volume, std::int64_t genus, const std::string& what) {
+  Context context;
+  const auto result = poisson(cloud_of(points), {}, context);
+  ASSERT_TRUE(result) << what << ": " << result.error().detail;
+  const Topology topology = topology_of(result->mesh);
+  EXPECT_TRUE(topology.closed && topology.oriented) << what;
+  EXPECT_EQ(topology.components, 1U) << what;
+  EXPECT_EQ(topology.genus, genus) << what;
+  EXPECT_GT(signed_volume(result->mesh), 0.7 * volume) << what << " faces outwards";
+  EXPECT_LT(signed_volume(result->mesh), 1.2 * volume) << what;
+  EXPECT_EQ(result->points_left_out, 0U) << what;
+}
+
+TEST(CgalSurfaces, poisson_closes_small_clouds_of_a_sphere_a_cube_and_a_torus) {
+  for (const std::size_t n : {60U, 100U, 230U, 400U, 800U, 1500U}) {
+    const std::string points = " of " + std::to_string(n) + " points";
+    // Even ones: the library puts no vertex outside, and a cell of 8 spacings holds most of the sphere.
+    expect_a_body(testing::sphere_points(n), 4.19, 0, "even sphere" + points);
+    for (const std::uint32_t seed : {1U, 2U, 3U}) {
+      expect_a_body(random_sphere(n, seed), 4.19, 0, "sphere " + std::to_string(seed) + points);
+      expect_a_body(random_cube(n, seed), 8, 0, "cube " + std::to_string(seed) + points);
+      // The tube of 300 random points has 14 of them around.
+      if (n >= 400) expect_a_body(testing::random_torus(n, seed), 1.78, 1, "torus " + std::to_string(seed) + points);
+    }
+  }
+}
+
+TEST(CgalSurfaces, poisson_keeps_a_small_part_beside_a_large_one_or_counts_its_points) {
+  for (const std::size_t n : {60U, 160U, 400U}) {
+    for (const double radius : {0.03, 0.1, 0.3}) {  // the large one's spacing is 0.07
+      std::vector<Point3> both = testing::sphere_points(3000);
+      for (const Point3& p : testing::sphere_points(n, {5, 0, 0}, radius)) both.push_back(p);
+      Context context;
+      const auto result = poisson(cloud_of(both), {}, context);
+      ASSERT_TRUE(result) << result.error().detail;
+      const std::size_t components = topology_of(result->mesh).components;
+      EXPECT_TRUE(components == 2 || (components == 1 && result->points_left_out == n))
+          << n << " points of radius " << radius << ": " << components << " components, left out "
+          << result->points_left_out;
+      if (radius > 0.2) {
+        EXPECT_EQ(components, 2U) << n;
+      }
+    }
+  }
 }
 
 TEST(CgalSurfaces, poisson_says_what_to_do_where_it_finds_no_surface) {
   Context context;
-  const auto mesh = poisson(cloud_of(testing::sphere_points(100)), {}, context);
+  const auto mesh = poisson(cloud_of(testing::sphere_points(100)), {.trim = 1e-6}, context);
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().code, ErrorCode::method_failed);
-  EXPECT_NE(mesh.error().detail.find("needs more points"), std::string::npos) << mesh.error().detail;
+  EXPECT_NE(mesh.error().detail.find("a larger trim"), std::string::npos) << mesh.error().detail;
+  EXPECT_EQ(poisson(cloud_of(testing::sphere_points(9)), {}, context).error().code, ErrorCode::too_few_points);
 }
 
 TEST(CgalSurfaces, are_the_same_for_any_order_of_the_points_and_number_of_threads) {
