@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <unordered_map>
 
 #include "baselines/baselines.hpp"
+#include "baselines/stamped.hpp"
 #include "baselines/watched_kernel.hpp"
 
 namespace surfaced {
@@ -17,11 +19,59 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
-using VertexBase = CGAL::Advancing_front_surface_reconstruction_vertex_base_3<Kernel>;
-using CellBase = CGAL::Advancing_front_surface_reconstruction_cell_base_3<Kernel>;
-using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
-using baselines::stop_if_cancelled;
+/// Numbers objects in the order in which they are first asked about, on its thread while it lives.
+class FirstSeen {
+ public:
+  FirstSeen() : outer_(current()) { current() = this; }
+  ~FirstSeen() { current() = outer_; }
+  FirstSeen(const FirstSeen&) = delete;
+  FirstSeen& operator=(const FirstSeen&) = delete;
+
+  static std::size_t number(const void* object) {
+    auto& numbers = current()->numbers_;
+    return numbers.try_emplace(object, numbers.size()).first->second;
+  }
+
+ private:
+  static FirstSeen*& current() {
+    thread_local FirstSeen* first_seen = nullptr;
+    return first_seen;
+  }
+
+  FirstSeen* outer_;
+  std::unordered_map<const void*, std::size_t> numbers_;
+};
+
+/// An edge of the front as CGAL queues it: by the plausibility of its candidate. Of equal ones CGAL's own type, a pair,
+/// takes the one of lesser address; edges that wait for another attempt are all equal.
+template <class Edge>
+struct Queued {
+  Queued(double plausibility, Edge* edge) : first(plausibility), second(edge), number(FirstSeen::number(edge)) {}
+  friend bool operator<(const Queued& a, const Queued& b) {
+    return a.first != b.first ? a.first < b.first : a.number < b.number;
+  }
+
+  double first;
+  Edge* second;
+  std::size_t number;
+};
+
+template <class Base>
+struct FrontVertex : Base {
+  using Base::Base;
+  using Radius_ptr_type = Queued<typename Base::IO_edge_type>;
+  template <class Structure>
+  struct Rebind_TDS {
+    using Other = FrontVertex<typename Base::template Rebind_TDS<Structure>::Other>;
+  };
+};
+
+using baselines::Stamped;
+// Stamped, because the triangulation names a facet by its cell of lesser handle.
+using VertexBase = Stamped<FrontVertex<CGAL::Advancing_front_surface_reconstruction_vertex_base_3<Kernel>>>;
+using CellBase = Stamped<CGAL::Advancing_front_surface_reconstruction_cell_base_3<Kernel>>;
+using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
 constexpr std::size_t kPointsBetweenChecks = 4096;
 
@@ -98,6 +148,7 @@ Result<TriangleMesh> reconstruct(const PointCloud& cloud, const AdvancingFrontPa
     return Error{ErrorCode::collinear, "all " + std::to_string(cloud.size()) + " distinct points lie on one line"};
   }
   context.enter("advancing-front", 0.95);
+  const FirstSeen order_of_edges;
   Reconstruction front(delaunay, Plausibility{&context, kCallsPerPoint * cloud.size()});
   front.run(parameters.radius_ratio_bound, parameters.beta);
   TriangleMesh mesh{cloud.positions, triangles_of(front), cloud.normals, cloud.colors};
@@ -118,7 +169,7 @@ Result<TriangleMesh> advancing_front(const PointCloud& cloud, const AdvancingFro
   }
   try {
     return reconstruct(cloud, parameters, context);
-  } catch (const baselines::Cancelled&) {
+  } catch (const Cancelled&) {
     return Error{ErrorCode::cancelled, "cancelled during the advancing front"};
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::out_of_memory, "the advancing front over " + std::to_string(cloud.size()) +

@@ -45,7 +45,7 @@ struct Visitor {
   void on_flood_fill_begin(const Wrapper& /*wrapper*/) {}
   template <class Wrapper, class Gate>
   void before_facet_treatment(const Wrapper& /*wrapper*/, const Gate& /*gate*/) {
-    baselines::stop_if_cancelled(*context);
+    stop_if_cancelled(*context);
   }
   template <class Wrapper, class Point>
   void before_Steiner_point_insertion(const Wrapper& /*wrapper*/, const Point& /*point*/) {

@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "base/vectors.hpp"
+#include "baselines/stamped.hpp"
 #include "baselines/watched_kernel.hpp"
 #include "preparing/preparing.hpp"
 
@@ -72,25 +73,8 @@ namespace {
 using Point = WatchedKernel::Point_3;
 using PointVector = std::pair<Point, WatchedKernel::Vector_3>;
 
-/// A vertex or cell that knows when it was made: handles then compare by that and not by address. The mesher keeps bad
-/// edges and vertices in sets of handles and takes the least first.
-template <class Base>
-class Stamped : public Base {
- public:
-  using Base::Base;
-  using Has_timestamp = CGAL::Tag_true;
-  std::size_t time_stamp() const { return stamp_; }
-  void set_time_stamp(std::size_t stamp) { stamp_ = stamp; }
-  template <class Structure>
-  struct Rebind_TDS {
-    using Other = Stamped<typename Base::template Rebind_TDS<Structure>::Other>;
-  };
-
- private:
-  std::size_t stamp_ = static_cast<std::size_t>(-1);
-};
-
 using Traits = CGAL::Robust_circumcenter_traits_3<ExactKernel>;
+// Stamped, because the mesher keeps bad edges and vertices in sets of handles and takes the least first.
 using TessellationVertex = Stamped<CGAL::Surface_mesh_vertex_base_3<Traits>>;
 using TessellationCell =
     Stamped<CGAL::Delaunay_triangulation_cell_base_with_circumcenter_3<Traits, CGAL::Surface_mesh_cell_base_3<Traits>>>;

@@ -43,7 +43,7 @@ RawCloud coarser(const PointCloud& cloud, const ScaleSpaceParameters& parameters
   }
   Smoother smooth(static_cast<unsigned>(std::min(parameters.neighbours, cloud.size() - 1)), kSampledForRadius);
   for (std::size_t step = 0; step < parameters.iterations; ++step) {
-    baselines::stop_if_cancelled(context);
+    stop_if_cancelled(context);
     smooth(points.begin(), points.end());
     context.report(static_cast<double>(step + 1) / static_cast<double>(parameters.iterations));
   }

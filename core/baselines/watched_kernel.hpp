@@ -3,17 +3,9 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
-#include "base/base.hpp"
+#include "base/cancelled.hpp"
 
 namespace surfaced::baselines {
-
-/// Thrown through CGAL's code, which has no other way out.
-struct Cancelled {};
-
-/// Throws Cancelled once the caller wants to stop.
-inline void stop_if_cancelled(const Context& context) {
-  if (context.cancelled()) throw Cancelled{};
-}
 
 /// While it lives, ticks on its thread look now and then at the caller's wish to stop.
 class Watch {

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/cancelled.hpp"
 #include "minimum_boundary/hull.hpp"
 
 namespace surfaced::boundary {
@@ -25,8 +26,6 @@ using Graph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_pro
 using Edge = boost::graph_traits<Graph>::edge_descriptor;
 using EdgeNumbers = boost::property_map<Graph, boost::edge_index_t>::const_type;
 
-struct Cancelled {};
-
 /// Residual capacities. The library's algorithm has no place to ask whether to go on but its property maps.
 class WatchedCapacities {
  public:
@@ -41,7 +40,7 @@ class WatchedCapacities {
 
   reference operator[](const Edge& edge) const {
     constexpr std::uint64_t kCancelStride = 1U << 16U;
-    if (++*reads_ % kCancelStride == 0 && context_->cancelled()) throw Cancelled{};
+    if (++*reads_ % kCancelStride == 0) stop_if_cancelled(*context_);
     return (*capacities_)[get(numbers_, edge)];
   }
   friend reference get(const WatchedCapacities& map, const Edge& edge) { return map[edge]; }

@@ -79,7 +79,7 @@ struct ShouldStop {
   bool operator()(double next_cost, const Profile&, std::size_t, std::size_t) const {
     const std::size_t left = mesh->number_of_faces();
     if (++calls % kStepsBetweenChecks == 0) {
-      if (context->cancelled()) throw Cancelled{};
+      stop_if_cancelled(*context);
       const double done =
           static_cast<double>(first - left) / static_cast<double>(std::max<std::size_t>(1, first - triangles));
       context->report(kShareOfCollapses * (0.3 + 0.7 * done));
@@ -94,7 +94,7 @@ struct Visitor : Sms::Edge_collapse_visitor_base<Mesh> {
       : touched(&touched_vertices), context(&its_context) {}
 
   void OnCollected(const Profile&, const boost::optional<double>&) {
-    if (++collected % kStepsBetweenChecks == 0 && context->cancelled()) throw Cancelled{};
+    if (++collected % kStepsBetweenChecks == 0) stop_if_cancelled(*context);
   }
   void OnCollapsed(const Profile&, Mesh::Vertex_index kept) { (*touched)[kept] = true; }
 

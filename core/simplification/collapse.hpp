@@ -3,12 +3,10 @@
 
 #include <vector>
 
+#include "base/cancelled.hpp"
 #include "simplification/simplification.hpp"
 
 namespace surfaced::simplification {
-
-/// Thrown through CGAL's code, which has no other way out.
-struct Cancelled {};
 
 /// When to stop; whichever comes first.
 struct Stop {

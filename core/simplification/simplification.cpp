@@ -76,10 +76,6 @@ void append_attributes(TriangleMesh& target, const TriangleMesh& mesh, const Tri
   }
 }
 
-void stop_if_cancelled(const Context& context) {
-  if (context.cancelled()) throw simplification::Cancelled{};
-}
-
 void carry_attributes(Collapsed& collapsed, const TriangleMesh& mesh, const SurfaceSearch& search,
                       const Context& context) {
   constexpr std::size_t kVerticesBetweenChecks = 1024;
@@ -136,7 +132,7 @@ class Simplifier {
       return !context_.cancelled();
     };
     const std::optional<SurfaceDistance> found = surface_distance(from, to, context_.threads(), go_on);
-    if (!found) throw simplification::Cancelled{};
+    if (!found) throw Cancelled{};
     return found->upper;
   }
 
@@ -179,7 +175,7 @@ Result<Simplified> guarded(const TriangleMesh& mesh, Work work) {
   try {
     if (Status fit = check_manifold(topology_of(mesh)); !fit) return std::move(fit).error();
     return work();
-  } catch (const simplification::Cancelled&) {
+  } catch (const Cancelled&) {
     return Error{ErrorCode::cancelled, "cancelled while simplifying"};
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::out_of_memory,

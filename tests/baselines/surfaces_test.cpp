@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <memory>
+#include <numeric>
+#include <optional>
 #include <random>
 
 #include "base/vectors.hpp"
@@ -26,6 +29,10 @@ Result<TriangleMesh> by_poisson(const PointCloud& cloud, Context& context) {
 }
 Result<TriangleMesh> by_scale_space(const PointCloud& cloud, Context& context) {
   return scale_space(cloud, {}, context);
+}
+
+Result<TriangleMesh> by_advancing_front(const PointCloud& cloud, Context& context) {
+  return advancing_front(cloud, {}, context);
 }
 
 using Way = Result<TriangleMesh> (*)(const PointCloud&, Context&);
@@ -100,6 +107,20 @@ TEST(CgalSurfaces, alpha_wrap_refines_only_as_far_as_it_does_not_leak) {
   ASSERT_TRUE(holed);
   EXPECT_GT(holed->alpha, 3);
   EXPECT_GT(signed_volume(holed->mesh), 3.5);
+}
+
+TEST(CgalSurfaces, alpha_wrap_keeps_the_coarser_wrap_where_a_finer_one_has_too_many_vertices) {
+  const PointCloud cloud = cloud_of(testing::sphere_points(60));
+  constexpr double kOffset = 160;  // a ball of some 1,600 vertices with alpha 12, and four times as many for half of it
+  Context context;
+  const auto kept = alpha_wrap(cloud, {.alpha = std::nullopt, .offset = kOffset}, context);
+  ASSERT_TRUE(kept) << kept.error().detail;
+  EXPECT_EQ(kept->alpha, 6);
+  EXPECT_TRUE(topology_of(kept->mesh).closed);
+  const auto refused = alpha_wrap(cloud, {.alpha = 3, .offset = kOffset}, context);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::method_failed);
+  EXPECT_NE(refused.error().detail.find("more than 21800 vertices"), std::string::npos) << refused.error().detail;
 }
 
 TEST(CgalSurfaces, carry_normals_and_colours_of_the_nearest_point) {
@@ -223,6 +244,47 @@ TEST(CgalSurfaces, are_the_same_for_any_order_of_the_points_and_number_of_thread
     ASSERT_TRUE(a && b) << name;
     EXPECT_EQ(a->positions, b->positions) << name;
     EXPECT_EQ(a->triangles, b->triangles) << name;
+  }
+}
+
+/// The points of an integer grid on the sides of a box: as many ties as can be.
+std::vector<Point3> grid_on_box(int nx, int ny, int nz) {
+  std::vector<Point3> points;
+  for (int x = 0; x <= nx; ++x) {
+    for (int y = 0; y <= ny; ++y) {
+      for (int z = 0; z <= nz; ++z) {
+        if (x % nx != 0 && y % ny != 0 && z % nz != 0) continue;
+        points.push_back({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
+      }
+    }
+  }
+  return points;
+}
+
+TEST(CgalSurfaces, are_the_same_whatever_ran_before_in_the_process) {
+  const std::vector<PointCloud> clouds{cloud_of(grid_on_box(2, 2, 2)), cloud_of(grid_on_box(9, 5, 3)),
+                                       cloud_of(testing::random_points(500, 4)),
+                                       cloud_of(testing::torus_points(32, 16)), cloud_of(testing::sphere_points(200))};
+  std::mt19937 random(1);
+  // What is left of other runs: memory in pieces, so that later addresses come in another order.
+  std::vector<std::unique_ptr<char[]>> pieces(400);
+  for (const auto& [name, make] :
+       {Named{"advancing-front", by_advancing_front}, kMethods[0], kMethods[1], kMethods[2]}) {
+    std::vector<std::optional<TriangleMesh>> first(clouds.size());
+    for (int round = 0; round < 5; ++round) {
+      std::vector<std::size_t> order(clouds.size());
+      std::iota(order.begin(), order.end(), std::size_t{0});
+      std::ranges::shuffle(order, random);
+      for (const std::size_t c : order) {
+        for (int i = 0; i < 50; ++i) pieces[random() % pieces.size()] = std::make_unique<char[]>(1 + random() % 5000);
+        Context context;
+        const auto mesh = make(clouds[c], context);
+        ASSERT_TRUE(mesh) << name << " of cloud " << c << ": " << mesh.error().detail;
+        if (!first[c]) first[c] = *mesh;
+        EXPECT_EQ(mesh->positions, first[c]->positions) << name << " of cloud " << c << ", round " << round;
+        EXPECT_EQ(mesh->triangles, first[c]->triangles) << name << " of cloud " << c << ", round " << round;
+      }
+    }
   }
 }
 
