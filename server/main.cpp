@@ -8,6 +8,19 @@
 
 namespace {
 
+/// What was wrong with the command line: above all, that its first word is no command.
+std::string what_is_wrong(const CLI::App& app, const CLI::ParseError& wrong, int argc, char** argv) {
+  const std::string first = argc > 1 ? argv[1] : "";
+  std::string known;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->check_name(first)) return wrong.what();
+    if (!command->get_group().empty()) known += (known.empty() ? "" : ", ") + command->get_name();
+  }
+  const bool is_flag = first.starts_with('-');
+  if (is_flag) return wrong.what();
+  return (first.empty() ? "no command is given" : "'" + first + "' is no command") + "; there are: " + known;
+}
+
 int dispatch(int argc, char** argv) {
   CLI::App app("Point clouds to meshes: a daemon, a library and a command.", "surfaced");
   app.set_version_flag("--version", std::string(surfaced::version()));
@@ -28,7 +41,7 @@ int dispatch(int argc, char** argv) {
   } catch (const CLI::Success& asked_for_help) {
     return app.exit(asked_for_help);
   } catch (const CLI::ParseError& wrong) {
-    return surfaced::report_problem({surfaced::ErrorCode::invalid_usage, wrong.what()});
+    return surfaced::report_problem({surfaced::ErrorCode::invalid_usage, what_is_wrong(app, wrong, argc, argv)});
   }
   return run();
 }

@@ -34,7 +34,7 @@ std::string variable(const char* name, const char* otherwise) {
 std::string said(const httplib::Response& answer) {
   const Json problem = Json::parse(answer.body, nullptr, false);
   if (!problem.is_object()) return std::to_string(answer.status) + " " + answer.reason;
-  return problem.value("title", "") + ": " + problem.value("detail", "") + " " + problem.value("hint", "");
+  return problem.value("title", "") + ": " + problem.value("detail", "") + ". " + problem.value("hint", "");
 }
 
 /// Tries again what may pass: no connection, a lost answer, 429 and 503. Throws what is refused.

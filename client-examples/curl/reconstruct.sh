@@ -33,7 +33,9 @@ call() {
 }
 
 # The first string or number of a name in a JSON object.
-field() { grep -o "\"$1\": *\(\"[^\"]*\"\|[-0-9.e]*\|true\|false\)" | head -n 1 | sed 's/^[^:]*: *//; s/"//g'; }
+field() {
+  grep -Eo "\"$1\": *(\"([^\"\\\\]|\\\\.)*\"|[-0-9.e]+|true|false)" | head -n 1 | sed -E 's/^[^:]*: *//; s/^"(.*)"$/\1/; s/\\(.)/\1/g'
+}
 
 # request OUTPUT ARGUMENT...: a refused request answers with a problem that says what to do.
 request() {
@@ -41,7 +43,7 @@ request() {
   shift
   status=$(call --retry-all-errors -o "$output" -w '%{http_code}' "$@") || fail "no answer from $server"
   if ((status >= 400)); then
-    fail "$(field title <"$output"): $(field detail <"$output") $(field hint <"$output")"
+    fail "$(field title <"$output"): $(field detail <"$output"). $(field hint <"$output")"
   fi
 }
 
@@ -64,7 +66,7 @@ while [[ $event != done ]]; do
       id) last=$value ;;
       data)
         case $event in
-          progress) echo "$(field phase <<<"$value") $(field progress <<<"$value")" >&2 ;;
+          progress) phase=$(field phase <<<"$value" || true) && echo "${phase:-waiting} $(field progress <<<"$value")" >&2 ;;
           done) status=$(field status <<<"$value") detail=$(sed 's/.*"error"://' <<<"$value" | field detail || true) ;;
         esac ;;
     esac

@@ -89,7 +89,7 @@ def said(answer):
     """A problem in words; what does not speak JSON is a proxy in between."""
     try:
         problem = json.load(answer)
-        return f"{problem['title']}: {problem['detail']} {problem['hint']}"
+        return f"{problem['title']}: {problem['detail']}. {problem['hint']}"
     except ValueError:
         return f"{answer.status} {answer.reason}"
 
@@ -109,7 +109,7 @@ def reconstruct(server, cloud, mesh, parameters):
         job = data if event == "done" else job
     if job["status"] != "successful":
         problem = job.get("error") or {"detail": "the job was removed"}
-        raise Refused(f"{job['status']}: {problem['detail']} {problem.get('hint', '')}")
+        raise Refused(f"{job['status']}: {problem['detail']}. {problem.get('hint', '')}")
     outputs = f"/v1/jobs/{job['id']}/outputs"
     with server.request("GET", outputs + "/mesh.glb") as answer, open(mesh + ".part", "wb") as file:
         shutil.copyfileobj(answer, file)

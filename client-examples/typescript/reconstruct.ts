@@ -36,7 +36,7 @@ function show(text: string): void {
 /** A problem in words; what does not speak JSON is a proxy in between. */
 async function said(answer: Response): Promise<string> {
   const problem = (await answer.json().catch(() => null)) as Problem | null;
-  return problem ? `${problem.title}: ${problem.detail} ${problem.hint}` : `${answer.status} ${answer.statusText}`;
+  return problem ? `${problem.title}: ${problem.detail}. ${problem.hint}` : `${answer.status} ${answer.statusText}`;
 }
 
 /** Tries again what may pass: no connection, a lost answer, 429 and 503. */
@@ -109,7 +109,7 @@ async function reconstruct(cloud: string, mesh: string, parameters: string[]): P
   for await (const { event, data } of events(`/v1/jobs/${job.id}/events`)) {
     if (event === 'progress') {
       const { phase, progress } = data as Pick<Job, 'phase' | 'progress'>;
-      show(`${phase ?? 'waiting'} ${Math.round(100 * progress)} %`);
+      show(`${phase || 'waiting'} ${Math.round(100 * progress)} %`);
     }
     if (event === 'done') job = data as Job;
   }

@@ -6,7 +6,7 @@ const sleep = (seconds) => new Promise((resolve) => setTimeout(resolve, 1000 * s
 function said(text, status) {
   try {
     const { title, detail, hint } = JSON.parse(text);
-    return `${title}: ${detail} ${hint}`;
+    return `${title}: ${detail}. ${hint}`;
   } catch {
     return `the server answered ${status}`;
   }
@@ -83,7 +83,7 @@ export function connect(base, key = '') {
       const url = `${base}/v1/jobs?${new URLSearchParams(parameters)}`;
       const { id } = JSON.parse(await (await patiently(() => upload(url, cloud, headers, tell))).text());
       for await (const { event, data } of events(id)) {
-        if (event === 'progress') tell(data.phase ?? 'waiting', data.progress);
+        if (event === 'progress') tell(data.phase || 'waiting', data.progress);
         if (event === 'done' && data.status !== 'successful') throw new Error(data.error?.detail ?? 'the job was dismissed');
       }
       return id;

@@ -64,6 +64,13 @@ std::vector<Triangle> carried_back(const std::vector<Triangle>& triangles, const
   return result;
 }
 
+/// Asked of the input, exactly: smoothing moves points off a line by a rounding.
+bool all_on_a_line(const std::vector<Point3>& positions) {
+  const auto exact = [](const Point3& p) { return baselines::ExactKernel::Point_3(p[0], p[1], p[2]); };
+  return std::ranges::all_of(
+      positions, [&](const Point3& p) { return CGAL::collinear(exact(positions[0]), exact(positions[1]), exact(p)); });
+}
+
 Result<TriangleMesh> reconstruct(const PointCloud& cloud, const ScaleSpaceParameters& parameters, Context& context) {
   context.enter("scale-space", 0.4);
   const Result<PointCloud> smoothed = make_cloud(coarser(cloud, parameters, context), context.threads());
@@ -82,6 +89,9 @@ Result<TriangleMesh> scale_space(const PointCloud& cloud, const ScaleSpaceParame
   constexpr std::size_t kFewestPoints = 3;
   if (Status enough = baselines::check_points(cloud, kFewestPoints, "scale space"); !enough) {
     return std::move(enough).error();
+  }
+  if (all_on_a_line(cloud.positions)) {
+    return Error{ErrorCode::collinear, "all " + std::to_string(cloud.size()) + " distinct points lie on one line"};
   }
   return baselines::guarded("scale space", cloud, context,
                             [&]() -> Result<TriangleMesh> { return reconstruct(cloud, parameters, context); });

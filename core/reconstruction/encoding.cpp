@@ -43,6 +43,21 @@ Result<EncodingEffect> effect_of_encoding(const TriangleMesh& computed, const Tr
   return compare(computed.positions, decoded.positions);
 }
 
+std::vector<std::string> unheeded_packing(MeshFormat format, const Json& parameters) {
+  std::vector<std::string> warnings;
+  const std::string name(name_of(format));
+  const std::string compression = parameters.value("compression", "none");
+  if (compression != "none" && !is_gltf(format)) {
+    warnings.push_back("compression=" + compression + " changes nothing in " + name + ": glb and gltf take it");
+  }
+  const auto bits = parameters.find("quantization");
+  if (bits == parameters.end() || !bits->is_number() || format == MeshFormat::drc) return warnings;
+  if (is_gltf(format) && compression != "none") return warnings;
+  warnings.push_back("quantization=" + bits->dump() + " changes nothing in " + name +
+                     ": drc takes it, and with compression glb and gltf");
+  return warnings;
+}
+
 Json encoding_json(const EncodingEffect& effect, MeshFormat format, const Json& parameters) {
   return Json{{"format", name_of(format)},
               {"compression", is_gltf(format) ? parameters.value("compression", "none") : std::string("none")},

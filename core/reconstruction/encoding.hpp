@@ -16,6 +16,9 @@ struct EncodingEffect {
 /// @return  internal_error if the decoded mesh has other vertices.
 Result<EncodingEffect> effect_of_encoding(const TriangleMesh& computed, const TriangleMesh& decoded, MeshFormat format);
 
+/// A warning for each parameter that asks for a smaller file and that this format does not heed.
+std::vector<std::string> unheeded_packing(MeshFormat format, const Json& parameters);
+
 /// The report's section `encoding`.
 Json encoding_json(const EncodingEffect& effect, MeshFormat format, const Json& parameters);
 

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 
 #include "quality/quality.hpp"
 #include "reconstruction/preparing_stage.hpp"
@@ -153,14 +155,22 @@ std::string percent(double share) {
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " %";
 }
 
+/// Three digits: what is said of a sample deserves no more.
+std::string briefly(double length) {
+  std::ostringstream text;
+  text << std::setprecision(3) << length;
+  return text.str();
+}
+
 Json walls_json(const TriangleMesh& mesh, double limit, const Json& unit, std::vector<std::string>& warnings) {
   const std::vector<double> walls = wall_thicknesses(mesh, kWallSamples);
   if (walls.empty()) return nullptr;
   const auto thinner = static_cast<std::size_t>(std::ranges::lower_bound(walls, limit) - walls.begin());
   const double share = static_cast<double>(thinner) / static_cast<double>(walls.size());
   if (share > kThinShareToWarn) {
-    warnings.push_back(percent(share) + " of the surface lies on walls thinner than " + Json(limit).dump() + " " +
-                       unit.get<std::string>() + ", the thinnest measured " + Json(walls.front()).dump());
+    warnings.push_back(percent(share) + " of the surface lies on walls thinner than " + briefly(limit) + " " +
+                       unit.get<std::string>() + ", the thinnest measured " + briefly(walls.front()) + " " +
+                       unit.get<std::string>());
   }
   return Json{{"limit", limit},
               {"samples", walls.size()},

@@ -9,6 +9,14 @@
 namespace surfaced {
 namespace {
 
+/// The value in the one form that stands for it: integers as integers wherever the schema takes them.
+Json canonical(const Json& value) {
+  if (!value.is_number_float()) return value;
+  const double x = value.get<double>();
+  constexpr double kExactIntegers = 9007199254740992.0;
+  return x == std::floor(x) && std::abs(x) < kExactIntegers ? Json(static_cast<std::int64_t>(x)) : value;
+}
+
 /// What a schema allows, in words.
 std::string allowed_by(const Json& schema) {
   if (schema.contains("oneOf")) {
@@ -23,10 +31,10 @@ std::string allowed_by(const Json& schema) {
     return "one of " + text;
   }
   std::string text = schema.at("type") == "integer" ? "an integer" : "a " + schema.at("type").get<std::string>();
-  if (schema.contains("minimum")) text += " >= " + schema.at("minimum").dump();
-  if (schema.contains("exclusiveMinimum")) text += " > " + schema.at("exclusiveMinimum").dump();
+  if (schema.contains("minimum")) text += " >= " + canonical(schema.at("minimum")).dump();
+  if (schema.contains("exclusiveMinimum")) text += " > " + canonical(schema.at("exclusiveMinimum")).dump();
   if (schema.contains("maximum"))
-    text += (text.find('>') != std::string::npos ? " and <= " : " <= ") + schema.at("maximum").dump();
+    text += (text.find('>') != std::string::npos ? " and <= " : " <= ") + canonical(schema.at("maximum")).dump();
   return text;
 }
 
@@ -79,14 +87,6 @@ Error unknown_parameter(const MethodInfo& method, const std::string& name) {
   return with_fault({ErrorCode::unknown_parameter,
                      "method '" + method.id + "' has no parameter '" + name + "'; its parameters are: " + known},
                     {name, std::nullopt, "one of " + known});
-}
-
-/// The value in the one form that stands for it: integers as integers wherever the schema takes them.
-Json canonical(const Json& value) {
-  if (!value.is_number_float()) return value;
-  const double x = value.get<double>();
-  constexpr double kExactIntegers = 9007199254740992.0;
-  return x == std::floor(x) && std::abs(x) < kExactIntegers ? Json(static_cast<std::int64_t>(x)) : value;
 }
 
 }  // namespace

@@ -99,6 +99,7 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
     warnings.push_back(measured.encoding.at("merged_vertices").dump() +
                        " vertices share a position with another after encoding");
   }
+  if (format) std::ranges::copy(unheeded_packing(*format, request.parameters), std::back_inserter(warnings));
   if (measured.certificate)
     std::ranges::copy(certificate_warnings(*measured.certificate), std::back_inserter(warnings));
   Json printing = printing_json(result.mesh, measured.quality.at("volume"), request.parameters, format, warnings);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "api/outputs.hpp"
@@ -215,8 +216,9 @@ Result<double> number_within(std::string_view name, std::string_view text, doubl
   double value = 0;
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
   if (failed == std::errc() && end == text.data() + text.size() && value >= least && value <= most) return value;
+  const auto whole = [](double limit) { return std::to_string(std::llround(limit)); };
   return http::wrong_value(ErrorCode::invalid_parameter, name, text,
-                           "a number from " + nlohmann::json(least).dump() + " to " + nlohmann::json(most).dump());
+                           "a number from " + whole(least) + " to " + whole(most));
 }
 
 Result<Submission> read_submission(const http::Query& query, Door door, const SubmissionRules& rules) {

@@ -102,7 +102,9 @@ void check_streams(Configuration& configuration) {
 
 void check_together(Configuration& configuration) {
   const Settings& settings = configuration.settings;
-  if (settings.data.empty()) configuration.problems.emplace_back("data is not set; it has no default");
+  if (settings.data.empty())
+    configuration.problems.emplace_back(
+        "data is not set: name a folder for jobs and clouds with --data or SURFACED_DATA");
   if (settings.tls_certificate.empty() != settings.tls_key.empty()) {
     configuration.problems.push_back(settings.tls_key.empty() ? "tls-certificate is set and tls-key is not"
                                                               : "tls-key is set and tls-certificate is not");
@@ -127,8 +129,8 @@ void check_data(Configuration& configuration) {
   }
   if (!std::filesystem::is_directory(existing, error) || ::access(existing.c_str(), W_OK | X_OK) != 0) {
     configuration.problems.push_back("data is '" + data.string() + "'; '" + existing.string() +
-                                     "' is no folder that this user can write: chown it to user " +
-                                     std::to_string(::geteuid()) + ", or give another (--data, SURFACED_DATA)");
+                                     "' is no folder that this user can write: give another (--data, SURFACED_DATA), " +
+                                     "or make '" + data.string() + "' a folder of user " + std::to_string(::geteuid()));
     return;
   }
   struct statvfs disk {};

@@ -167,6 +167,23 @@ TEST_F(Command, wrong_use_is_exit_code_2_with_a_problem) {
   }
 }
 
+TEST_F(Command, a_word_that_is_no_command_is_named_with_those_there_are_and_a_hint) {
+  const Ran ran = run({"reconstrct", sphere()});
+  EXPECT_EQ(ran.exit_code, 2);
+  const std::string detail = problem(ran).at("detail");
+  EXPECT_NE(detail.find("'reconstrct' is no command"), std::string::npos) << detail;
+  EXPECT_NE(detail.find("reconstruct, measure"), std::string::npos) << detail;
+  EXPECT_EQ(detail.find("attempt"), std::string::npos) << "what the server starts is not for people: " << detail;
+  EXPECT_NE(problem(ran).at("hint"), "");
+}
+
+TEST_F(Command, methods_are_listed_with_ranges_and_what_all_share_once) {
+  const std::string text = run({"methods"}).out;
+  EXPECT_NE(text.find("variant=best  (best, fast, paper)"), std::string::npos) << text;
+  EXPECT_NE(text.find("simplify=none  (none, whole, from 4 to 4294967295, above 0 to 0.5"), std::string::npos) << text;
+  EXPECT_EQ(text.find("simplify="), text.rfind("simplify="));
+}
+
 TEST_F(Command, environment_variables_stand_in_for_flags) {
   ::setenv("SURFACED_METHOD", "magic", 1);
   const Ran ran = run({"reconstruct", sphere(), "-o", folder_ / "m.glb"});

@@ -82,7 +82,7 @@ TEST_F(OperationsTest, what_stands_in_the_way_of_a_start_is_said_with_what_to_do
   };
   std::ofstream(path("file")) << "no folder";
   EXPECT_THAT(refused("--data " + path("file").string() + "/data"),
-              HasSubstr("no folder that this user can write: chown it"));
+              HasSubstr("no folder that this user can write: give another"));
   testing::ServerProcess running(path("data"));
   const std::string port = std::to_string(running.port());
   const std::string data = "--data " + path("other").string();

@@ -125,6 +125,19 @@ TEST_F(Finishing, every_packing_of_a_glb_holds_the_same_mesh_and_says_what_it_is
   }
 }
 
+TEST_F(Finishing, packing_that_a_format_does_not_know_is_a_warning) {
+  const auto cloud = cloud_of(narrow_sphere(300));
+  const auto warnings = [&](const std::string& mesh, const Json& given) {
+    return reconstruct(cloud, mesh, given).value().at("warnings");
+  };
+  EXPECT_THAT(warnings("p.glb", Json{{"quantization", 12}}),
+              Contains(HasSubstr("quantization=12 changes nothing in glb")));
+  EXPECT_THAT(warnings("p.stl", Json{{"quantization", 12}}), Contains(HasSubstr("changes nothing in stl")));
+  EXPECT_THAT(warnings("p.ply", Json{{"compression", "draco"}}),
+              Contains(HasSubstr("compression=draco changes nothing")));
+  EXPECT_THAT(warnings("p.drc", Json{{"quantization", 12}}), Not(Contains(HasSubstr("changes nothing"))));
+}
+
 TEST_F(Finishing, a_colour_map_colours_the_vertices_by_their_worst_triangle) {
   const auto report = reconstruct(cloud_of(narrow_sphere(800)), "c.ply", Json{{"color_map", "r_over_l"}});
   ASSERT_TRUE(report) << report.error().detail;

@@ -123,7 +123,8 @@ TEST_F(ConfigurationTest, what_is_shown_can_be_read_again) {
 
 TEST_F(ConfigurationTest, the_data_folder_has_no_default) {
   sources_.flags.clear();
-  EXPECT_THAT(read().problems, ElementsAre("data is not set; it has no default"));
+  EXPECT_THAT(read().problems,
+              ElementsAre("data is not set: name a folder for jobs and clouds with --data or SURFACED_DATA"));
 }
 
 TEST_F(ConfigurationTest, the_machine_is_asked_whether_it_can_do_what_is_wanted) {
