@@ -91,10 +91,17 @@ Status simplify(Reconstruction& result, const Json& goal, Context& context) {
   if (!simplified) return std::move(simplified).error();
   result.mesh = std::move(simplified->mesh);
   compact(result.mesh);
+  const std::size_t crossing = count_self_intersections(result.mesh);
   note(result, "simplify", before,
        {{"vertices_in", vertices_before},
         {"vertices_out", result.mesh.positions.size()},
-        {"max_distance", simplified->distance}});
+        {"max_distance", simplified->distance},
+        {"self_intersections", crossing}});
+  if (crossing > 0) {
+    result.warnings.push_back(std::to_string(crossing) +
+                              " pairs of triangles of the simplified mesh cross or touch; simplify to more triangles, "
+                              "or not at all, where that must not be");
+  }
   if (number >= kFewestTriangles && static_cast<double>(result.mesh.triangles.size()) > number) {
     result.warnings.push_back("simplify stopped at " + std::to_string(result.mesh.triangles.size()) +
                               " triangles: no other edge can be collapsed without changing the topology or turning "

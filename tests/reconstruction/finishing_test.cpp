@@ -68,6 +68,19 @@ TEST_F(Finishing, simplify_gives_at_most_so_many_triangles_with_counts_and_dista
   EXPECT_EQ(stage.at("vertices_out"), report->at("mesh").at("vertices"));
   EXPECT_GT(stage.at("max_distance"), 0);
   EXPECT_LT(stage.at("max_distance"), 0.05);
+  EXPECT_EQ(stage.at("self_intersections"), 0);
+  EXPECT_THAT(report->at("warnings").dump(), Not(HasSubstr("cross")));
+}
+
+TEST_F(Finishing, simplify_warns_of_triangles_that_cross_and_counts_them_as_quality_does) {
+  const auto report = reconstruct(cloud_of(testing::torus_points(90, 24)), "crossing.ply", Json{{"simplify", 18}});
+  ASSERT_TRUE(report) << report.error().detail;
+  const auto mesh = read_mesh(folder_.path() / "crossing.ply");
+  ASSERT_TRUE(mesh);
+  const std::size_t crossing = report->at("finishing").at(0).at("self_intersections");
+  EXPECT_GT(crossing, 0U);
+  EXPECT_EQ(crossing, count_self_intersections(*mesh));
+  EXPECT_THAT(report->at("warnings").dump(), HasSubstr(std::to_string(crossing) + " pairs of triangles"));
 }
 
 TEST_F(Finishing, simplify_keeps_within_a_fraction_of_the_diagonal_and_is_the_same_in_every_run) {
