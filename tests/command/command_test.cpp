@@ -6,13 +6,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "io/io.hpp"
+#include "support/limited_child.hpp"
 #include "support/shapes.hpp"
 
 namespace surfaced {
@@ -25,6 +25,7 @@ struct Ran {
   int exit_code = -1;
   std::string out;
   std::string err;
+  /// Of the processor.
   double seconds = 0;
   double peak_megabytes = 0;
 };
@@ -52,13 +53,12 @@ class Command : public ::testing::Test {
     return write("sphere.ply", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   }
 
-  /// Runs the binary with standard output and error in files; measures wall time and peak memory.
+  /// Runs the binary with standard output and error in files; measures processor time and peak memory.
   Ran run(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), SURFACED_BINARY);
     std::vector<char*> argv;
     for (std::string& each : arguments) argv.push_back(each.data());
     argv.push_back(nullptr);
-    const auto begin = std::chrono::steady_clock::now();
     const pid_t child = ::fork();
     if (child == 0) {
       ::dup2(::open((folder_ / "out").c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDOUT_FILENO);
@@ -70,7 +70,7 @@ class Command : public ::testing::Test {
     rusage usage{};
     ::wait4(child, &status, 0, &usage);
     Ran ran;
-    ran.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    ran.seconds = testing::processor_seconds(usage);
     ran.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     ran.out = read_all(folder_ / "out");
     ran.err = read_all(folder_ / "err");

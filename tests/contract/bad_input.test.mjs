@@ -5,10 +5,15 @@ import { after, before, test } from 'node:test';
 import { Client, knot, sphere } from './client.mjs';
 
 let client;
+let hasty;
 before(async () => {
-  client = await Client.start(['--upload-time', '1']);
+  client = await Client.start();
+  hasty = await Client.start(['--upload-time', '1']);
 });
-after(() => client?.stop());
+after(async () => {
+  await client?.stop();
+  await hasty?.stop();
+});
 
 /** The answer is this problem, about this field with this value, and says what is allowed. */
 async function refused(answer, status, code, field, value, allowed) {
@@ -26,8 +31,8 @@ const submit = (query, body = knot, headers) => client.post(`/v1/jobs?${query}`,
 const json = (body) => client.json('/v1/jobs', body);
 const raw = { 'content-type': 'application/octet-stream' };
 const tus = { 'tus-resumable': '1.0.0' };
-const upload = async (length = 100) => (await client.call('POST', '/v1/uploads', { headers: { ...tus, 'upload-length': String(length) } })).headers.get('location');
-const patch = (target, offset, body, headers = {}) => client.call('PATCH', target, {
+const upload = async (length = 100, server = client) => (await server.call('POST', '/v1/uploads', { headers: { ...tus, 'upload-length': String(length) } })).headers.get('location');
+const patch = (target, offset, body, headers = {}, server = client) => server.call('PATCH', target, {
   body, headers: { ...tus, 'content-type': 'application/offset+octet-stream', 'upload-offset': String(offset), ...headers } });
 
 test('unknown method', async () => {
@@ -106,11 +111,11 @@ test('both body and cloud_id', async () => {
 });
 
 test('expired upload', async () => {
-  const target = await upload();
-  await new Promise((resolve) => setTimeout(resolve, 1200));
+  const target = await upload(100, hasty);
   const id = target.split('/').pop();
-  await refused(client.call('GET', target), 410, 'upload_gone', 'id', id, /going on/);
-  await refused(patch(target, 0, 'x'), 410, 'upload_gone', 'id', id, /going on/);
+  await hasty.until(() => hasty.call('GET', target), (body) => body.status === 410);
+  await refused(hasty.call('GET', target), 410, 'upload_gone', 'id', id, /going on/);
+  await refused(patch(target, 0, 'x', {}, hasty), 410, 'upload_gone', 'id', id, /going on/);
 });
 
 test('wrong checksum or offset', async () => {

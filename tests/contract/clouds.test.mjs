@@ -1,6 +1,7 @@
 // Clouds, the forms of a submission, repeated submissions, pages, formats.
 import assert from 'node:assert/strict';
 import { createHash } from 'node:crypto';
+import http from 'node:http';
 import { after, before, test } from 'node:test';
 import { Client, knot, sphere } from './client.mjs';
 
@@ -20,6 +21,7 @@ test('a cloud is stored once, read by a process, used by jobs and removed after 
   assert.equal(first.status, 201);
   assert.equal(first.body.id, createHash('sha256').update(knot).digest('hex'));
   assert.equal(first.headers.get('location'), `/v1/clouds/${first.body.id}`);
+  await new Promise((resolve) => setTimeout(resolve, 20)); // times have milliseconds
   const again = await client.post('/v1/clouds', knot);
   assert.equal(again.status, 200);
   assert.ok(Date.parse(again.body.expires_at) > Date.parse(first.body.expires_at), 'to send it again keeps it longer');
@@ -107,20 +109,18 @@ test('an Idempotency-Key makes one job of a repeated submission', async () => {
 
 test('a key whose request is still being read is in flight', async () => {
   const headers = { 'content-type': 'application/octet-stream', 'idempotency-key': 'slow' };
-  let release;
-  const slow = new ReadableStream({
-    async start(controller) {
-      controller.enqueue(knot.subarray(0, 100));
-      await new Promise((resolve) => { release = resolve; });
-      controller.enqueue(knot.subarray(100));
-      controller.close();
-    },
+  const slow = http.request(`${client.base}/v1/jobs?method=advancing-front`, {
+    method: 'POST', headers: { ...headers, expect: '100-continue', 'content-length': knot.length },
   });
-  const first = client.call('POST', '/v1/jobs?method=advancing-front', { body: slow, duplex: 'half', headers });
-  await new Promise((resolve) => setTimeout(resolve, 500));
+  const answered = new Promise((resolve, reject) => slow.on('response', resolve).on('error', reject));
+  const wanted = new Promise((resolve) => slow.on('continue', resolve));
+  slow.flushHeaders();
+  await wanted; // the server has begun to read
   await expect(409, 'request_in_flight', client.post('/v1/jobs?method=advancing-front', knot, headers));
-  release();
-  assert.equal((await first).status, 201);
+  slow.end(knot);
+  const first = await answered;
+  first.resume();
+  assert.equal(first.statusCode, 201);
 });
 
 test('jobs are listed in pages, newest first, by status, method and labels', async () => {

@@ -26,7 +26,7 @@ test('openapi.yaml lints clean', () => {
   assert.doesNotMatch(lint.stdout + lint.stderr, /warning/i);
 });
 
-test('the story of docs/service.md runs as it is written', { timeout: 120000 }, () => {
+test('the story of docs/service.md runs as it is written', { timeout: 600000 }, () => {
   const page = readFileSync(path.join(source, 'docs/service.md'), 'utf8');
   const blocks = [...page.matchAll(/```sh\n([\s\S]*?)```/g)].map((found) => found[1]);
   assert.ok(blocks.length >= 5, 'the page has its commands');

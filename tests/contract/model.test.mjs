@@ -1,11 +1,12 @@
 // Random sequences of calls, valid and not, against a model of what jobs may do. No answer is ever a 500, and every
-// answer is one that the contract knows. The seed is printed; SURFACED_SEED repeats a run, SURFACED_STEPS makes it longer.
+// answer is one that the contract knows. The same calls
+// each time, so that a change is judged by what it does; SURFACED_SEED makes others, SURFACED_STEPS more.
 import assert from 'node:assert/strict';
 import { createHash } from 'node:crypto';
 import { after, before, test } from 'node:test';
 import { Client, sphere } from './client.mjs';
 
-const seed = Number(process.env.SURFACED_SEED ?? Date.now() % 2 ** 31);
+const seed = Number(process.env.SURFACED_SEED ?? 7);
 const steps = Number(process.env.SURFACED_STEPS ?? 300);
 let client;
 before(async () => {
@@ -30,7 +31,7 @@ const after_ = {
   dismissed: ['dismissed'],
 };
 
-test(`jobs keep to their states whatever is asked of them (seed ${seed})`, { timeout: 120000 + steps * 400 }, async () => {
+test(`jobs keep to their states whatever is asked of them (seed ${seed})`, { timeout: 600000 + steps * 1000 }, async () => {
   const random = randomOf(seed);
   const pick = (list) => list[random(list.length)];
   const jobs = new Map();

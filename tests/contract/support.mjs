@@ -1,6 +1,6 @@
 // A running server, and the contract to hold it to.
 import { spawn } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { mkdtempSync, readFileSync, readdirSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { createInterface } from 'node:readline';
@@ -36,7 +36,9 @@ export async function startServer(flags = []) {
     await ended;
     rmSync(data, { recursive: true, force: true });
   };
-  return { base, stop, signal: (name) => child.kill(name) };
+  const children = () => readdirSync(`/proc/${child.pid}/task`).flatMap((task) =>
+    readFileSync(`/proc/${child.pid}/task/${task}/children`, 'utf8').split(' ').filter(Boolean).map(Number));
+  return { base, stop, children, signal: (name) => child.kill(name) };
 }
 
 /** Checks answers against the operations of the contract, and keeps a tally of what was seen. */

@@ -1,6 +1,6 @@
 // TLS as clients meet it: curl and openssl against the running server.
 import assert from 'node:assert/strict';
-import { execFileSync, spawnSync } from 'node:child_process';
+import { execFileSync, spawn, spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import net from 'node:net';
 import { tmpdir } from 'node:os';
@@ -21,7 +21,7 @@ let server;
 let port;
 before(async () => {
   makeCertificate('first');
-  server = await startServer(['--tls-certificate', file('cert.pem'), '--tls-key', file('key.pem'), '--header-time', '1']);
+  server = await startServer(['--tls-certificate', file('cert.pem'), '--tls-key', file('key.pem'), '--header-time', '3']);
   port = Number(new URL(server.base).port);
 });
 after(async () => {
@@ -65,30 +65,34 @@ test('plain HTTP is answered in plain HTTP that this is the wrong port', () => {
   assert.equal(JSON.parse(stdout).code, 'invalid_request');
 });
 
-/** Sends bytes and tells how long the server keeps the connection. */
-const keeps = (bytes) => new Promise((resolve) => {
-  const began = performance.now();
-  const socket = net.connect(port, '127.0.0.1', () => socket.write(bytes));
-  socket.on('error', () => {});
-  socket.on('data', () => {});
-  socket.on('close', () => resolve(performance.now() - began));
-});
-
 test('garbage is cut off at once, half a handshake after its time, and others are served meanwhile', async () => {
-  assert.ok(await keeps(Buffer.from('this is no hello\r\n\r\n')) < 1000);
-  const halves = Array.from({ length: 200 }, () => keeps(Buffer.from('16030102000100', 'hex')));
-  await new Promise((resolve) => setTimeout(resolve, 100));
+  const order = [];
+  /** Sends bytes, and notes when the server has ended the connection. */
+  const keeps = (name, bytes) => new Promise((resolve) => {
+    const socket = net.connect(port, '127.0.0.1', () => socket.write(bytes));
+    socket.on('error', () => {});
+    socket.on('data', () => {});
+    socket.on('close', () => resolve(order.push(name)));
+  });
   const began = performance.now();
-  assert.equal(curl('--fail', `${server.base}/healthz`).status, 0);
-  assert.ok(performance.now() - began < 900);
-  for (const time of await Promise.all(halves)) assert.ok(time > 900 && time < 5000, `${time}`);
+  const halves = Array.from({ length: 200 }, () => keeps('half', Buffer.from('16030102000100', 'hex')));
+  await Promise.all([
+    keeps('garbage', Buffer.from('this is no hello\r\n\r\n')),
+    new Promise((resolve) => spawn('curl', ['-sS', '--fail', '--cacert', file('cert.pem'), `${server.base}/healthz`], { stdio: 'ignore' })
+      .on('close', (code) => resolve(order.push(`curl ${code}`)))),
+  ]);
+  // A machine that stops for three seconds has ended the halves, too.
+  if (performance.now() - began < 2500) assert.deepEqual([...order].sort(), ['curl 0', 'garbage']);
+  await Promise.all(halves);
+  assert.ok(performance.now() - began > 2500);
+  assert.ok(order.includes('curl 0'));
 });
 
 test('SIGHUP takes a new certificate, and keeps the old one when the new one is broken', async () => {
   assert.match(subject(), /first/);
   makeCertificate('second');
   server.signal('SIGHUP');
-  for (let i = 0; i < 50 && !/second/.test(subject()); ++i) await new Promise((resolve) => setTimeout(resolve, 100));
+  for (let i = 0; i < 600 && !/second/.test(subject()); ++i) await new Promise((resolve) => setTimeout(resolve, 100));
   assert.match(subject(), /second/);
   writeFileSync(file('cert.pem'), 'broken');
   server.signal('SIGHUP');

@@ -78,10 +78,13 @@ test('wrong requests have their codes', async () => {
   await expect(410, 'upload_gone', client.call('GET', target));
 });
 
-/** Forwards connections, and cuts the first that has carried so many bytes. */
-function breakingProxy(port, bytes) {
+/** Forwards connections, and cuts the first that has carried so many bytes; further ones wait until `settled`. */
+function breakingProxy(port, bytes, settled) {
   let cuts = 0;
-  const server = net.createServer((incoming) => {
+  const server = net.createServer(async (incoming) => {
+    incoming.on('error', () => {});
+    // What the server makes of a cut takes its time.
+    if (cuts > 0) await settled();
     const outgoing = net.connect(port, '127.0.0.1');
     let carried = 0;
     incoming.on('data', (data) => {
@@ -105,15 +108,19 @@ function breakingProxy(port, bytes) {
 }
 
 test('tus-js-client goes on where the connection was cut', async () => {
-  const proxy = await breakingProxy(Number(new URL(client.base).port), 20000);
   const offsets = [];
+  let target;
+  const offset = async () => Number((await client.call('HEAD', new URL(target).pathname, { headers: tus })).headers.get('upload-offset'));
+  const proxy = await breakingProxy(Number(new URL(client.base).port), 20000,
+    () => client.until(async () => ({ body: await offset() }), (received) => received > 0));
   try {
     const upload = await new Promise((resolve, reject) => {
       const started = new Upload(knot, {
         endpoint: `http://127.0.0.1:${proxy.server.address().port}/v1/uploads`,
         chunkSize: 50000,
-        retryDelays: [100, 100, 100, 100],
+        retryDelays: [100, 100, 100, 100, 1000, 5000],
         metadata: { filename: 'knot.ply' },
+        onUploadUrlAvailable: () => { target = started.url; },
         onAfterResponse: (request, response) => {
           if (request.getMethod() === 'HEAD') offsets.push(Number(response.getHeader('upload-offset')));
         },

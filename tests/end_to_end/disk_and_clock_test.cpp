@@ -109,6 +109,7 @@ TEST(DiskAndClockTest, jobs_that_run_while_the_disk_is_full_wait_for_space_inste
   const std::string second = submit(300);
   testing::wait_for_start(server.port(), first);
   std::ofstream(directory.path() / "disk/filler") << std::string(std::size_t{30} << 20, 'x');
+  // Long enough for the first to fail at writing, and to be tried too often if nobody waited.
   std::this_thread::sleep_for(std::chrono::seconds(4));
   std::filesystem::remove(directory.path() / "disk/filler");
   for (const std::string& id : {first, second}) {
@@ -126,7 +127,7 @@ class ShiftedServer {
     // NOLINTBEGIN(concurrency-mt-unsafe): the test has one thread
     ::setenv("SHIFTED_CLOCK", file_.c_str(), 1);
     ::setenv("LD_PRELOAD", SURFACED_SHIFTED_CLOCK, 1);
-    server_.emplace(directory / "data", std::vector<std::string>{"--lease", "3", "--workers", "1"});
+    server_.emplace(directory / "data", std::vector<std::string>{"--lease", "9", "--workers", "1"});
     ::unsetenv("LD_PRELOAD");
     ::unsetenv("SHIFTED_CLOCK");
     // NOLINTEND(concurrency-mt-unsafe)
@@ -136,6 +137,7 @@ class ShiftedServer {
     if (!file) file.open(file_, std::ios::out | std::ios::binary);
     file.write(reinterpret_cast<const char*>(&seconds), sizeof seconds);
   }
+  const testing::ServerProcess& process() const { return *server_; }
   std::uint16_t port() const { return server_->port(); }
 
  private:
@@ -153,16 +155,17 @@ TEST(DiskAndClockTest, a_clock_that_jumps_by_hours_either_way_ends_no_job_and_lo
     EXPECT_EQ(answer.status, 201) << answer.body;
     return Json::parse(answer.body);
   };
-  const Json before = submit(200'000);
-  testing::wait_for_start(server.port(), before.at("id"));
+  const std::string running = testing::start_endless_job(server.process(), testing::random_points(60'000, 7));
   std::vector<Json> others;
   for (const std::int64_t hours : {5, -5, 3}) {
     server.jump(hours * 3600);
     others.push_back(submit(200));
-    std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+    // Leases are looked at every third of their time.
+    std::this_thread::sleep_for(std::chrono::milliseconds(3200));
   }
   EXPECT_GT(others[0].at("created_at"), others[1].at("created_at")) << "the clock did jump";
-  others.push_back(before);
+  for (const pid_t child : server.process().children()) ::kill(child, SIGCONT);
+  others.push_back(testing::job_of(server.port(), running));
   for (const Json& each : others) {
     const Json job = testing::wait_for_end(server.port(), each.at("id"));
     EXPECT_EQ(job.at("status"), "successful") << job.dump();

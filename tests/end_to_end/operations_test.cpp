@@ -108,26 +108,25 @@ TEST_F(OperationsTest, health_asks_the_server_that_listens_there) {
 }
 
 TEST_F(OperationsTest, a_public_address_without_keys_is_warned_of_in_the_log) {
-  environment_ = "timeout --preserve-status 2";
-  EXPECT_EQ(run("serve --allow-anonymous yes --listen 0.0.0.0:0 --data " + path("data").string()), 0);
-  EXPECT_THAT(text_of(path("err")), HasSubstr("surfaced keys add FILE"));
+  testing::ServerProcess server(path("data"), {"--allow-anonymous", "yes"}, path("log"), "0.0.0.0:0");
+  EXPECT_EQ(server.end(SIGTERM), 0);
+  EXPECT_THAT(text_of(path("log")), HasSubstr("surfaced keys add FILE"));
 }
 
 TEST_F(OperationsTest, a_server_that_is_told_to_stop_is_unready_at_once_and_answers_until_its_jobs_have_ended) {
-  testing::ServerProcess server(path("data"), {"--drain-time", "60", "--workers", "1"});
-  const std::string running = submit(
-      server.port(), testing::binary_ply(testing::random_points(testing::measuring_is_moot() ? 20'000 : 100'000, 1)));
-  testing::wait_for_start(server.port(), running);
+  testing::ServerProcess server(path("data"), {"--drain-time", "600", "--workers", "1"});
+  const std::string running =
+      testing::start_endless_job(server, testing::random_points(testing::measuring_is_moot() ? 20'000 : 60'000, 1));
   const std::string waiting = submit(server.port(), cloud_);
   ::kill(server.pid(), SIGTERM);
-  std::this_thread::sleep_for(milliseconds(100));
-  EXPECT_EQ(call(server.port(), "GET", "/readyz").status, 503);
+  EXPECT_TRUE(testing::eventually([&] { return call(server.port(), "GET", "/readyz").status == 503; }));
   EXPECT_EQ(call(server.port(), "GET", "/healthz").status, 200);
   const Answer refused = call(server.port(), "POST", "/v1/jobs?method=advancing-front", cloud_);
   EXPECT_EQ(refused.status, 503);
   EXPECT_THAT(refused.body, HasSubstr("the server is stopping"));
+  for (const pid_t child : server.children()) ::kill(child, SIGCONT);
   // A long poll is answered with the result, or at the latest when the server ends.
-  EXPECT_EQ(testing::job_of(server.port(), running, "?wait=30").at("status"), "successful");
+  EXPECT_EQ(testing::job_of(server.port(), running, "?wait=60").at("status"), "successful");
   EXPECT_EQ(server.end(SIGTERM), 0);
   const testing::ServerProcess again(path("data"));
   EXPECT_EQ(testing::wait_for_end(again.port(), waiting).at("attempt"), 1) << "it was not begun while stopping";
@@ -136,9 +135,8 @@ TEST_F(OperationsTest, a_server_that_is_told_to_stop_is_unready_at_once_and_answ
 TEST_F(OperationsTest, a_job_that_was_given_back_at_a_stop_has_lost_nothing_but_time) {
   std::optional<testing::ServerProcess> server(std::in_place, path("data"),
                                                std::vector<std::string>{"--drain-time", "0"});
-  const std::string id = submit(
-      server->port(), testing::binary_ply(testing::random_points(testing::measuring_is_moot() ? 20'000 : 100'000, 1)));
-  testing::wait_for_start(server->port(), id);
+  const std::string id =
+      testing::start_endless_job(*server, testing::random_points(testing::measuring_is_moot() ? 20'000 : 60'000, 1));
   EXPECT_EQ(server->end(SIGTERM), 0);
   server.emplace(path("data"));
   const Json job = testing::wait_for_end(server->port(), id);
@@ -150,6 +148,11 @@ TEST_F(OperationsTest, the_numbers_of_the_service_are_there_for_prometheus) {
   const testing::ServerProcess server(path("data"));
   testing::wait_for_end(server.port(), submit(server.port(), cloud_));
   testing::wait_for_end(server.port(), submit(server.port(), "no cloud"));
+  // A job has ended a moment before its worker is free.
+  EXPECT_TRUE(testing::eventually([&] {
+    return call(server.port(), "GET", "/metrics").body.find(R"(surfaced_jobs{status="running"} 0)") !=
+           std::string::npos;
+  }));
   const Answer answer = call(server.port(), "GET", "/metrics");
   EXPECT_EQ(answer.status, 200);
   EXPECT_THAT(answer.headers.at("content-type"), HasSubstr("text/plain; version=0.0.4"));

@@ -7,6 +7,7 @@
 
 #include "jobs/sqlite_job_store.hpp"
 #include "platform/random.hpp"
+#include "support/patience.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace surfaced {
@@ -64,13 +65,12 @@ class RenditionsTest : public ::testing::Test {
   auto order(const Job& job, std::uint32_t number) {
     return renditions_.order(job, "mesh." + std::to_string(number), number);
   }
-  /// What became of it, within ten seconds.
+  /// What became of it.
   Error failure_of(const Renditions::Order& order) {
-    for (int i = 0; i < 1000; ++i) {
-      if (const auto made = renditions_.made(order)) return made->error();
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (!testing::eventually([&] { return renditions_.made(order).has_value(); })) {
+      return {ErrorCode::timed_out, "nothing became of it"};
     }
-    return {ErrorCode::timed_out, "nothing became of it"};
+    return renditions_.made(order)->error();
   }
 
   testing::TemporaryDirectory directory_;

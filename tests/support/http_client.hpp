@@ -5,6 +5,7 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -33,6 +34,9 @@ struct Answer {
 class RawConnection {
  public:
   explicit RawConnection(std::uint16_t port) : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    // Who is not read from for this long is as good as cut off.
+    const timeval patience{60, 0};
+    ::setsockopt(fd_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
@@ -80,8 +84,11 @@ class RawConnection {
     return answer;
   }
 
-  /// True if the server closes the connection within this time.
-  bool closes_within(std::chrono::milliseconds patience) {
+  /// True if something of an answer is there within this time.
+  bool hears_within(std::chrono::milliseconds patience) { return !buffer_.empty() || arrives_within(patience); }
+
+  /// True if the server closes the connection, within this time after its last byte.
+  bool closes(std::chrono::milliseconds patience = std::chrono::seconds(60)) {
     while (more(patience)) {
     }
     return closed_;

@@ -24,14 +24,14 @@ class ServerProcess {
   /// Starts `surfaced serve` on a free port and returns once it listens.
   /// @param log  file for its standard error; that of the test if empty
   ServerProcess(const std::filesystem::path& data, std::vector<std::string> flags = {},
-                const std::filesystem::path& log = {}) {
+                const std::filesystem::path& log = {}, const std::string& listen = "127.0.0.1:0") {
     std::filesystem::create_directories(data);
     const auto out = data.parent_path() / (data.filename().string() + ".stdout");
     std::filesystem::remove(out);
-    std::vector<std::string> command = command_for(data);
+    std::vector<std::string> command = command_for(data, listen);
     command.insert(command.end(), flags.begin(), flags.end());
     start(command, out, log);
-    for (int i = 0; i < 600 && port_ == 0; ++i) {
+    for (int i = 0; i < 1200 && port_ == 0; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       read_port(out);
       int status = 0;
@@ -81,8 +81,9 @@ class ServerProcess {
  private:
   ServerProcess() = default;
 
-  static std::vector<std::string> command_for(const std::filesystem::path& data) {
-    return {SURFACED_BINARY, "serve", "--listen", "127.0.0.1:0", "--data", data.string()};
+  static std::vector<std::string> command_for(const std::filesystem::path& data,
+                                              const std::string& listen = "127.0.0.1:0") {
+    return {SURFACED_BINARY, "serve", "--listen", listen, "--data", data.string()};
   }
 
   void start(const std::vector<std::string>& command, const std::filesystem::path& out,

@@ -12,6 +12,7 @@
 
 #include "base/base.hpp"
 #include "support/http_client.hpp"
+#include "support/patience.hpp"
 #include "support/server_process.hpp"
 
 namespace surfaced::testing {
@@ -50,14 +51,41 @@ inline nlohmann::json wait_for_end(std::uint16_t port, const std::string& id) {
   return now;
 }
 
-/// The job once it runs (or has ended), or as it is after half a minute.
+/// The job once it runs (or has ended), or as it is after two minutes.
 inline nlohmann::json wait_for_start(std::uint16_t port, const std::string& id) {
-  nlohmann::json now = job_of(port, id);
-  for (int i = 0; i < 1500 && now.at("status") == "accepted"; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    now = job_of(port, id);
-  }
+  nlohmann::json now;
+  eventually(
+      [&] {
+        now = job_of(port, id);
+        return now.at("status") != "accepted";
+      },
+      std::chrono::seconds(120));
   return now;
+}
+
+/// The job once it is past reading, in the middle of its method (or has ended).
+inline nlohmann::json wait_for_method(std::uint16_t port, const std::string& id) {
+  nlohmann::json now = wait_for_start(port, id);
+  eventually(
+      [&] {
+        now = job_of(port, id);
+        return !is_active(now) || !(now.at("phase").is_null() || now.at("phase") == "read");
+      },
+      std::chrono::seconds(120));
+  return now;
+}
+
+/// Submits a job that goes on for as long as a test needs it: its process is stopped in the middle of the method, where
+/// it takes no time from others. Lives until the job is dismissed, the server ends, or SIGCONT.
+inline std::string start_endless_job(const ServerProcess& server, const std::vector<Point3>& points,
+                                     const Fields& fields = {}) {
+  const Answer made = call(server.port(), "POST", "/v1/jobs?method=advancing-front", binary_ply(points), fields);
+  if (made.status != 201) throw std::runtime_error(made.body);
+  const std::string id = nlohmann::json::parse(made.body).at("id");
+  wait_for_method(server.port(), id);
+  for (const pid_t child : server.children()) ::kill(child, SIGSTOP);
+  if (job_of(server.port(), id).at("status") != "running") throw std::runtime_error("the job has ended too early");
+  return id;
 }
 
 inline std::string code_of(const Answer& answer) {
