@@ -25,8 +25,12 @@ export async function startFlakyProxy(target) {
       response.writeHead(answer.statusCode, answer.headers);
       if (events && did.cut === 0) {
         did.cut += 1;
-        answer.once('data', (bytes) => {
-          response.write(bytes.subarray(0, bytes.indexOf('\n\n') + 2), () => request.socket.destroy());
+        let seen = Buffer.alloc(0);
+        answer.on('data', (bytes) => {
+          seen = Buffer.concat([seen, bytes]);
+          const end = seen.indexOf('\n\n') + 2;
+          if (end < 2) return;
+          response.write(seen.subarray(0, end), () => request.socket.destroy());
           answer.destroy();
         });
         return;

@@ -24,6 +24,7 @@ before(async () => {
   pages.url = `http://127.0.0.1:${pages.address().port}`;
   server = await startServer(['--cors-origins', pages.url]);
   browser = await chromium.launch({
+    timeout: 120000,
     executablePath: browser_path,
     args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update',
       '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
@@ -39,29 +40,30 @@ after(async () => {
 /** Opens the page; the share of pixels of its view that are not background. */
 async function open(target) {
   const page = await browser.newPage({ viewport: { width: 640, height: 480 } });
+  page.setDefaultTimeout(120000);
   const wrong = [];
   page.on('pageerror', (error) => wrong.push(error.message));
   await page.goto(`${pages.url}/index.html${target}`);
   return { page, wrong };
 }
 
-test('a page of another origin uploads a cloud, follows the job and shows the mesh; its address embeds the result', { skip, timeout: 120000 }, async () => {
+test('a page of another origin uploads a cloud, follows the job and shows the mesh; its address embeds the result', { skip, timeout: 600000 }, async () => {
   const { page, wrong } = await open('');
   await page.setInputFiles('#cloud', path.join(source, 'client-examples/samples/knot.ply'));
-  await page.getByText('12000 triangles, genus 1, closed').waitFor({ timeout: 60000 });
+  await page.getByText('12000 triangles, genus 1, closed').waitFor({ timeout: 120000 });
   const job = new URL(page.url()).hash;
   assert.match(job, /^#[0-9a-f]{32}$/);
   assert.deepEqual(wrong, []);
 
   const again = await open(job);
-  await again.page.getByText('12000 triangles').waitFor({ timeout: 60000 });
+  await again.page.getByText('12000 triangles').waitFor({ timeout: 120000 });
   const shown = await again.page.locator('canvas').screenshot();
   assert.ok(shown.length > 8000, `a mesh is on the canvas; its picture has ${shown.length} bytes`);
   assert.deepEqual(again.wrong, []);
 });
 
-test('the page says what is wrong with a cloud', { skip, timeout: 60000 }, async () => {
+test('the page says what is wrong with a cloud', { skip, timeout: 600000 }, async () => {
   const { page } = await open('');
   await page.setInputFiles('#cloud', path.join(source, 'LICENSE'));
-  await page.getByText('the cloud begins with').waitFor({ timeout: 30000 });
+  await page.getByText('the cloud begins with').waitFor({ timeout: 120000 });
 });

@@ -27,7 +27,7 @@ const seeds = ['ply', 'text', 'pcd', 'las', 'obj', 'stl', 'gltf', 'draco'].flatM
 async function serverSays(bytes) {
   const post = await fetch(`${server.base}/v1/clouds`, { method: 'POST', body: bytes, headers: { 'content-type': 'application/octet-stream' } });
   let cloud = await post.json();
-  for (let i = 0; i < 100 && cloud.status === 'inspecting'; i += 1) {
+  for (let i = 0; i < 2000 && cloud.status === 'inspecting'; i += 1) {
     await new Promise((resolve) => setTimeout(resolve, 50));
     cloud = await (await fetch(`${server.base}/v1/clouds/${cloud.id}`)).json();
   }

@@ -32,10 +32,14 @@ export async function startServer(flags = [], data = mkdtempSync(path.join(tmpdi
   return { base, data, stop, kill: () => end('SIGKILL') };
 }
 
+/** A wait ends with what it waits for; so long it takes only where that never comes. */
+export const patience = 120_000;
+
 /** Debian's Chromium, drawing in software. */
 export function startBrowser(flags = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader']) {
   return chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    timeout: patience,
     args: ['--no-sandbox', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-quic', '--no-first-run', ...flags],
   });
 }
@@ -43,6 +47,7 @@ export function startBrowser(flags = ['--use-angle=swiftshader', '--enable-unsaf
 /** A page that fails the test by whatever it says on its console. */
 export async function openPage(browser, url, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, ...options });
+  context.setDefaultTimeout(patience);
   const page = await context.newPage();
   page.complaints = [];
   page.on('pageerror', (error) => page.complaints.push(error.message));
@@ -71,7 +76,7 @@ export async function dropFile(page, name, bytes) {
 export async function reconstruct(page, method) {
   if (method) await page.selectOption('#method', method);
   await page.click('#run');
-  await page.waitForSelector('.headline', { timeout: 60000 });
+  await page.waitForSelector('.headline');
 }
 
 export const facts = (page) => page.$$eval('.facts dd', (items) => items.map((item) => item.textContent));
@@ -83,7 +88,7 @@ export const settled = (page) => page.evaluate(() => new Promise((resolve) => {
   const rest = () => requestAnimationFrame(() => requestAnimationFrame(resolve));
   stage.onFrame = () => {
     clearTimeout(timer);
-    timer = setTimeout(rest, 400);
+    timer = setTimeout(rest, 700);
   };
   stage.draw();
 }));

@@ -1,7 +1,7 @@
 // Who cancels, or turns to something else, is heard at once; what was begun before does not come after it.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { dropFile, knot, openPage, ply, reconstruct, spherePoints, startBrowser, startServer } from './support.mjs';
+import { dropFile, knot, openPage, patience, ply, reconstruct, spherePoints, startBrowser, startServer } from './support.mjs';
 
 let server;
 let browser;
@@ -76,7 +76,7 @@ test('a job that is cancelled while it is handed over is not left to run', async
   await page.waitForSelector('.card.work[data-what="submit"]');
   await page.click('#cancel');
   await submission.release();
-  for (let i = 0; i < 50 && (await jobs())[0].status !== 'dismissed'; i += 1) await page.waitForTimeout(100);
+  for (let i = 0; i < 600 && (await jobs())[0].status !== 'dismissed'; i += 1) await page.waitForTimeout(100);
   assert.equal((await jobs())[0].status, 'dismissed');
   await quiet(page);
   assert.match(await text(page), /Cancelled/);
@@ -147,6 +147,7 @@ test('of two jobs that are opened one after the other, the last one is shown', a
 
 test('what is no longer shown is let go of', async () => {
   const context = await browser.newContext();
+  context.setDefaultTimeout(patience);
   await context.addInitScript(() => {
     window.asked = {};
     const post = Worker.prototype.postMessage;

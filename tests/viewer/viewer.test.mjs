@@ -41,7 +41,7 @@ test('two methods stand side by side, their difference is measured, and the link
   await reconstruct(page, 'advancing-front');
   await page.selectOption('#method', 'local-delaunay');
   await page.click('#beside');
-  await page.waitForSelector('.comparison', { timeout: 60000 });
+  await page.waitForSelector('.comparison');
   const half = (side) => (box) => ({ x: box.x + (side * box.width) / 2, y: box.y, width: box.width / 2 - 2, height: box.height });
   const [left, right] = [await silhouette(page, half(0)), await silhouette(page, half(1))];
   assert.ok(left.share > 0.05 && Math.abs(left.width - right.width) < 8 && Math.abs(left.height - right.height) < 8, JSON.stringify([left, right]));
@@ -53,10 +53,10 @@ test('two methods stand side by side, their difference is measured, and the link
   assert.match(both, /&with=/);
   assert.equal(await link(), both);
   await page.goto(both);
-  await page.waitForSelector('.comparison', { timeout: 60000 });
+  await page.waitForSelector('.comparison');
   const heads = await page.$$eval('.comparison thead th', (cells) => cells.map((cell) => cell.textContent));
   assert.equal(heads.length, 2);
-  await page.waitForFunction(() => document.querySelectorAll('.facts dd')[2]?.textContent === '6,000', undefined, { timeout: 5000 });
+  await page.waitForFunction(() => document.querySelectorAll('.facts dd')[2]?.textContent === '6,000');
   await page.click('#close-second');
   await page.waitForSelector('.headline');
   assert.equal(await link(), both.replace(/&.*/, ''));
