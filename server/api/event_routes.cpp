@@ -1,5 +1,6 @@
 #include "api/event_stream.hpp"
 #include "api/routes.hpp"
+#include "api/waiting.hpp"
 #include "http/problem.hpp"
 
 namespace surfaced::api {
@@ -11,12 +12,6 @@ using http::Response;
 
 /// The log grows without anybody saying so.
 constexpr std::chrono::milliseconds kLookAtLog{2'000};
-
-/// A stream's place among all of them, which may outlive the routes.
-struct Seat {
-  std::shared_ptr<http::Places> places;
-  http::Places::Place place;
-};
 
 Response get_events(const Request& request, JobService& service, JobLooks& looks,
                     const std::shared_ptr<http::Places>& places) {
@@ -32,9 +27,8 @@ Response get_events(const Request& request, JobService& service, JobLooks& looks
     response.status = 204;
     return response;
   }
-  auto place = places->take(request.caller.id.empty() ? request.remote_address : request.caller.id);
-  if (!place) return problem_response(place.error(), request);
-  const auto seat = std::make_shared<Seat>(Seat{places, std::move(*place)});
+  const auto seat = take_seat(request, places);
+  if (!seat) return problem_response(seat.error(), request);
   response.headers.add("X-Accel-Buffering", "no");
   response.content_type = "text/event-stream";
   const auto look = looks.at(id);
@@ -42,7 +36,7 @@ Response get_events(const Request& request, JobService& service, JobLooks& looks
   auto feed = std::make_shared<http::Feed>();
   feed->interval = kLookAtLog;
   feed->subscribe = [&service, id](std::function<void()> wake) { return service.watch(id, std::move(wake)); };
-  feed->next = [stream, seat](bool /*last*/) { return stream->next(); };
+  feed->next = [stream, seat = *seat](bool /*last*/) { return stream->next(); };
   response.feed = std::move(feed);
   return response;
 }

@@ -31,7 +31,7 @@ Response job_response(const Request& request, const Job& job) {
   return response;
 }
 
-Response get_job(const Request& request, JobService& service) {
+Response get_job(const Request& request, JobService& service, const std::shared_ptr<http::Places>& waits) {
   const auto wait = single(request.query, "wait");
   if (!wait) return problem_response(wait.error(), request);
   double seconds = 0;
@@ -46,7 +46,13 @@ Response get_job(const Request& request, JobService& service) {
   const auto enough = [for_news, headers = request.headers](const Job& job) {
     return ended(job.status) || (for_news && !http::not_modified(headers, job_etag(job)));
   };
-  return when_enough(request, request.path_parts.at("id"), time, service, enough, job_response);
+  const auto job = service.find(request.path_parts.at("id"));
+  if (!job) return problem_response(job.error(), request);
+  if (time.count() == 0 || enough(*job)) return job_response(request, *job);
+  // Answered without a wait, a client that polls would ask again at once, and again.
+  auto seat = take_seat(request, waits);
+  if (!seat) return problem_response(seat.error(), request);
+  return when_enough(request, job->id, time, service, enough, job_response, std::move(*seat));
 }
 
 Response delete_job(const Request& request, JobService& service) {
@@ -84,9 +90,10 @@ Response list_jobs(const Request& request, JobService& service) {
 
 }  // namespace
 
-void add_job_routes(http::Router& router, JobService& service) {
+void add_job_routes(http::Router& router, JobService& service, const RouteOptions& options) {
   router.add("GET", "/v1/jobs", [&service](Request& request) { return list_jobs(request, service); });
-  router.add("GET", "/v1/jobs/{id}", [&service](Request& request) { return get_job(request, service); });
+  router.add("GET", "/v1/jobs/{id}",
+             [&service, waits = options.waits](Request& request) { return get_job(request, service, waits); });
   router.add("DELETE", "/v1/jobs/{id}", [&service](Request& request) { return delete_job(request, service); });
   router.add("POST", "/v1/jobs/{id}/retry", [&service](Request& request) { return retry_job(request, service); });
 }

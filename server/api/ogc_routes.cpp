@@ -137,15 +137,19 @@ Response execute(Request& request, JobService& service, const RouteOptions& opti
     response.headers.add("Preference-Applied", "respond-async");
     return response;
   }
+  // Without a place to wait the job goes on all the same.
+  auto seat = take_seat(request, options.waits);
   const std::chrono::milliseconds wait =
-      preference.wait.value_or(std::chrono::duration_cast<std::chrono::seconds>(options.reconstruct_wait));
+      seat ? preference.wait.value_or(std::chrono::duration_cast<std::chrono::seconds>(options.reconstruct_wait))
+           : std::chrono::seconds(0);
   return when_enough(
       request, submitted->job.id, wait, service, [](const Job& job) { return ended(job.status); },
       [&service](const Request& asked, const Job& job) {
         if (!ended(job.status)) return status_response(201, job);
         if (const auto error = no_results(job)) return ogc::problem(*error, asked);
         return ogc::results(asked, job, service);
-      });
+      },
+      seat ? std::move(*seat) : nullptr);
 }
 
 Response list_jobs(const Request& request, JobService& service) {

@@ -6,6 +6,7 @@
 #include "api/job_json.hpp"
 #include "api/outputs.hpp"
 #include "api/routes.hpp"
+#include "api/waiting.hpp"
 #include "http/conditional.hpp"
 #include "http/problem.hpp"
 
@@ -64,7 +65,10 @@ Response output_response(const Request& request, const Job& job, const std::stri
 }
 
 /// The answer once the mesh is made in this format.
-Response when_made(const Request& request, const Job& job, const std::string& name, JobService& service) {
+Response when_made(const Request& request, const Job& job, const std::string& name, JobService& service,
+                   const std::shared_ptr<http::Places>& waits) {
+  const auto seat = take_seat(request, waits);
+  if (!seat) return problem_response(seat.error(), request);
   const auto ordered = service.order_output(job, name);
   if (!ordered) return problem_response(ordered.error(), request);
   const auto order = *ordered;
@@ -73,7 +77,7 @@ Response when_made(const Request& request, const Job& job, const std::string& na
   auto later = std::make_shared<http::Later>();
   later->deadline = std::chrono::steady_clock::now() + kPatience;
   later->subscribe = [&service, order](std::function<void()> wake) { return service.watch(*order, std::move(wake)); };
-  later->look = [&service, order, job, asked = std::move(asked)](bool last) -> std::optional<Response> {
+  later->look = [&service, order, job, asked = std::move(asked), seat = *seat](bool last) -> std::optional<Response> {
     const auto made = service.made(*order);
     if (made && *made) return output_response(asked, job, order->name, **made, service);
     if (made) return problem_response(made->error(), asked);
@@ -85,21 +89,22 @@ Response when_made(const Request& request, const Job& job, const std::string& na
   return response;
 }
 
-Response get_output(const Request& request, JobService& service) {
+Response get_output(const Request& request, JobService& service, const std::shared_ptr<http::Places>& waits) {
   const auto job = service.find(request.path_parts.at("id"));
   if (!job) return problem_response(job.error(), request);
   const auto name = wanted_name(request, *job);
   if (!name) return problem_response(name.error(), request);
   const auto output = find_output(*job, *name);
   if (!output) return problem_response(output.error(), request);
-  return *output ? output_response(request, *job, *name, **output, service) : when_made(request, *job, *name, service);
+  if (*output) return output_response(request, *job, *name, **output, service);
+  return when_made(request, *job, *name, service, waits);
 }
 
 }  // namespace
 
-void add_output_routes(http::Router& router, JobService& service) {
+void add_output_routes(http::Router& router, JobService& service, const RouteOptions& options) {
   router.add("GET", "/v1/jobs/{id}/outputs/{name}",
-             [&service](Request& request) { return get_output(request, service); });
+             [&service, waits = options.waits](Request& request) { return get_output(request, service, waits); });
 }
 
 }  // namespace surfaced::api

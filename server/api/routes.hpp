@@ -24,6 +24,8 @@ struct RouteOptions {
   std::chrono::seconds cloud_time{};
   /// Event streams at once; those of all jobs share them.
   std::shared_ptr<http::Places> streams;
+  /// Requests at once that wait for a job or a mesh.
+  std::shared_ptr<http::Places> waits;
   /// Text of /metrics.
   std::function<std::string()> metrics;
 };
@@ -36,12 +38,12 @@ void add_submit_routes(http::Router& router, JobService& service, const RouteOpt
 void add_ogc_routes(http::Router& router, JobService& service, const RouteOptions& options);
 void add_delivery_routes(http::Router& router, JobService& service, DeliveryStore& deliveries);
 void add_event_routes(http::Router& router, JobService& service, const RouteOptions& options);
-void add_job_routes(http::Router& router, JobService& service);
+void add_job_routes(http::Router& router, JobService& service, const RouteOptions& options);
 void add_upload_routes(http::Router& router, JobService& service, CloudService& clouds, UploadStore& store,
                        std::uint64_t most_bytes);
 /// @param kept  how long a cloud is kept that nobody uses; zero for ever
 void add_cloud_routes(http::Router& router, JobService& service, CloudService& clouds, std::chrono::seconds kept);
-void add_output_routes(http::Router& router, JobService& service);
+void add_output_routes(http::Router& router, JobService& service, const RouteOptions& options);
 /// The viewer and the files it needs; `index` answers at the root whoever does not ask for HTML.
 void add_viewer_routes(http::Router& router, http::Handler index);
 void add_info_routes(http::Router& router, JobService& service, const RouteOptions& options);

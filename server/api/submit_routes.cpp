@@ -69,9 +69,13 @@ Response reconstructed(const Request& request, const Job& job, JobService& servi
 Response reconstruct(Request& request, JobService& service, const RouteOptions& options) {
   const auto submitted = submit(request, Door::reconstruct, service, options);
   if (!submitted) return problem_response(submitted.error(), request);
+  // Without a place to wait the job goes on all the same.
+  auto seat = take_seat(request, options.waits);
+  const auto wait = seat ? options.reconstruct_wait : std::chrono::milliseconds(0);
   return when_enough(
-      request, submitted->job.id, options.reconstruct_wait, service, [](const Job& job) { return ended(job.status); },
-      [&service](const Request& asked, const Job& job) { return reconstructed(asked, job, service); });
+      request, submitted->job.id, wait, service, [](const Job& job) { return ended(job.status); },
+      [&service](const Request& asked, const Job& job) { return reconstructed(asked, job, service); },
+      seat ? std::move(*seat) : nullptr);
 }
 
 Response create_job(Request& request, JobService& service, const RouteOptions& options) {

@@ -2,16 +2,26 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 
 #include "api/job_service.hpp"
 #include "http/message.hpp"
+#include "http/places.hpp"
 
 namespace surfaced::api {
 
+/// A place that is given back with the last copy; it may outlive the routes.
+using Seat = std::shared_ptr<const void>;
+
+/// A place for whoever asks: its key's, or its address's.
+/// @return  as Places::take
+Result<Seat> take_seat(const http::Request& request, const std::shared_ptr<http::Places>& places);
+
 /// The answer to a request that waits for a job: what `show` makes of it as soon as it is `enough`, or when the time
 /// is over.
+/// @param seat  held while it waits
 http::Response when_enough(const http::Request& request, const std::string& id, std::chrono::milliseconds at_most,
                            JobService& service, std::function<bool(const Job&)> enough,
-                           std::function<http::Response(const http::Request&, const Job&)> show);
+                           std::function<http::Response(const http::Request&, const Job&)> show, Seat seat);
 
 }  // namespace surfaced::api

@@ -85,8 +85,15 @@ void Doors::hang(http::Router& router, std::function<std::string()> metrics) {
   const api::SubmissionRules rules{std::chrono::seconds(settings_.ttl), webhooks_ != nullptr};
   const auto streams =
       std::make_shared<http::Places>("event streams are open", settings_.streams, settings_.streams_per_client);
-  const api::RouteOptions options{std::chrono::seconds(settings_.wait_limit), rules,   settings_.body_limit,
-                                  std::chrono::seconds(settings_.cloud_time), streams, std::move(metrics)};
+  const auto waits =
+      std::make_shared<http::Places>("requests wait for an answer", settings_.waits, settings_.waits_per_client);
+  const api::RouteOptions options{std::chrono::seconds(settings_.wait_limit),
+                                  rules,
+                                  settings_.body_limit,
+                                  std::chrono::seconds(settings_.cloud_time),
+                                  streams,
+                                  waits,
+                                  std::move(metrics)};
   router.guard(gate_);
   api::add_routes(router, service_, clouds_, *uploads_, options);
   api::add_delivery_routes(router, service_, *deliveries_);

@@ -87,17 +87,27 @@ bool is_default(const Configuration& configuration, std::string_view name) {
          "default";
 }
 
-/// A stream holds a connection: some are to stay for other requests.
+/// A stream and a wait hold a connection: some are to stay for other requests.
 void check_streams(Configuration& configuration) {
   Settings& settings = configuration.settings;
-  if (settings.streams < settings.connections) return;
-  if (is_default(configuration, "streams")) {
+  if (settings.streams >= settings.connections && is_default(configuration, "streams")) {
     settings.streams = std::max<std::uint64_t>(1, settings.connections / 4 * 3);
+  }
+  if (settings.streams >= settings.connections) {
+    configuration.problems.push_back("streams is " + std::to_string(settings.streams) +
+                                     "; allowed is less than connections, which is " +
+                                     std::to_string(settings.connections));
     return;
   }
-  configuration.problems.push_back("streams is " + std::to_string(settings.streams) +
-                                   "; allowed is less than connections, which is " +
-                                   std::to_string(settings.connections));
+  const std::uint64_t left = settings.connections - settings.streams;
+  if (settings.waits < left) return;
+  if (is_default(configuration, "waits")) {
+    settings.waits = std::min(settings.connections / 5, left - 1);
+    return;
+  }
+  configuration.problems.push_back("waits is " + std::to_string(settings.waits) +
+                                   "; allowed is less than the connections without the streams, which are " +
+                                   std::to_string(left));
 }
 
 void check_together(Configuration& configuration) {

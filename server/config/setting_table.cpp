@@ -62,6 +62,13 @@ const auto kTable = std::to_array<Setting>({
     {"streams-per-client", SettingUnit::count, "", 0, 100'000,
      "Of these, for one key, or for one address that is not loopback; more are answered 429; 0: no limit",
      &S::streams_per_client},
+    {"waits", SettingUnit::count, "", 0, 100'000,
+     "Requests at once that wait for a job or a mesh, with the streams fewer than connections (1/5 of them if the "
+     "default is not); more are answered 503, or 202 if they submit",
+     &S::waits},
+    {"waits-per-client", SettingUnit::count, "", 0, 100'000,
+     "Of these, for one key, or for one address that is not loopback; more are answered 429; 0: no limit",
+     &S::waits_per_client},
     {"drain-time", SettingUnit::seconds, "", 0, 3600, "Time that running jobs get when the server stops",
      &S::drain_time},
     {"drain-delay", SettingUnit::seconds, "", 0, 600,

@@ -43,6 +43,8 @@ struct Settings {
   std::uint64_t bodies_per_client = 16;
   std::uint64_t streams = 1500;
   std::uint64_t streams_per_client = 100;
+  std::uint64_t waits = 400;
+  std::uint64_t waits_per_client = 100;
 
   std::uint64_t drain_time = 5;
   std::uint64_t drain_delay = 0;

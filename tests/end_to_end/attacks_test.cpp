@@ -82,18 +82,24 @@ class AttackTest : public ::testing::Test {
     server_.reset();
     server_.emplace(directory_.path() / "data", flags, directory_.path() / "log");
     bystander_.emplace(server_->port());
+    neighbours_.emplace(server_->pid());
   }
   void TearDown() override {
     const double waited = bystander_->end();
+    const double others = neighbours_->share();
     const double peak = testing::peak_megabytes(server_->pid());
-    EXPECT_LT(waited, testing::measuring_is_moot() ? 10 : 1) << "seconds that another client had to wait";
+    // The promise is that of a machine of its own.
+    EXPECT_LT(waited, testing::measuring_is_moot() || others > 0.1 ? 20 : 1)
+        << "seconds that another client had to wait, while others had " << others << " of the machine";
     if (!testing::measuring_is_moot()) {
       EXPECT_LT(peak, 300);
     }
     EXPECT_EQ(server_->end(SIGTERM), 0);
     // For docs/operations.md.
     std::cout << "| " << ::testing::UnitTest::GetInstance()->current_test_info()->name() << " | " << std::lround(peak)
-              << " MB | " << std::lround(waited * 1000) << " ms |" << std::endl;
+              << " MB | " << std::lround(waited * 1000) << " ms |"
+              << (others > 0.1 ? " beside " + std::to_string(std::lround(others * 100)) + " % of others" : "")
+              << std::endl;
   }
   std::uint16_t port() const { return server_->port(); }
   Crowd crowd(std::size_t size, const std::string& bytes) const {
@@ -108,6 +114,7 @@ class AttackTest : public ::testing::Test {
   testing::TemporaryDirectory directory_;
   std::optional<testing::ServerProcess> server_;
   std::optional<Bystander> bystander_;
+  std::optional<testing::Neighbours> neighbours_;
 };
 
 const std::string kPost = "POST /v1/jobs?method=advancing-front HTTP/1.1\r\nHost: h\r\n";
@@ -209,6 +216,24 @@ TEST_F(AttackTest, event_streams_and_long_polls_by_the_hundred_leave_room_for_ot
   EXPECT_EQ(statuses[503], 100);
   EXPECT_EQ(polls.back()->read_answer().status, 200);
   EXPECT_EQ(call(port(), "DELETE", job).status, 202);
+}
+
+TEST_F(AttackTest, long_polls_by_the_thousand_leave_room_for_others) {
+  const std::string job = "/v1/jobs/" + testing::start_endless_job(*server_, testing::random_points(100'000, 3));
+  const Crowd polls = crowd(1800, "GET " + job + "?wait=60 HTTP/1.1\r\nHost: h\r\n\r\n");
+  const auto told = [&] {
+    return std::ranges::count_if(polls, [](const auto& each) { return each->hears_within(milliseconds(0)); });
+  };
+  EXPECT_TRUE(testing::eventually([&] { return told() >= 1400; }));
+  EXPECT_EQ(told(), 1400) << "400 have a place to wait";
+  for (const auto& each : polls) {
+    if (!each->hears_within(milliseconds(0))) continue;
+    const Answer answer = each->read_answer();
+    EXPECT_EQ(answer.status, 503);
+    EXPECT_TRUE(answer.headers.contains("retry-after"));
+  }
+  EXPECT_EQ(call(port(), "DELETE", job).status, 202);
+  EXPECT_TRUE(testing::eventually([&] { return told() == 400; })) << "those are told of the end";
 }
 
 TEST_F(AttackTest, meshes_asked_for_in_another_format_by_more_than_there_are_threads_hold_none) {

@@ -91,5 +91,47 @@ TEST_F(LimitsTest, event_streams_have_places_in_all_and_for_each_client) {
   EXPECT_TRUE(testing::eventually([&] { return follow("203.0.113.7").status == 200; }));
 }
 
+TEST_F(LimitsTest, waits_have_places_in_all_and_for_each_client) {
+  serve({"--waits", "4", "--waits-per-client", "2", "--workers", "1"});
+  const std::string job = "/v1/jobs/" + testing::start_endless_job(*server_, testing::random_points(100'000, 3));
+  std::vector<std::unique_ptr<testing::RawConnection>> waiting;
+  // Who is refused is told so at once; who is not can be told only by not hearing anything.
+  const auto send = [&](const std::string& request, const std::string& address) -> testing::RawConnection& {
+    waiting.push_back(std::make_unique<testing::RawConnection>(server_->port()));
+    waiting.back()->send(request + " HTTP/1.1\r\nHost: h\r\nX-Forwarded-For: " + address + "\r\n");
+    return *waiting.back();
+  };
+  const auto poll = [&](const std::string& address) -> testing::RawConnection& {
+    testing::RawConnection& connection = send("GET " + job + "?wait=60", address);
+    connection.send("\r\n");
+    return connection;
+  };
+  const auto refused = [&](const std::string& address) {
+    Answer answer;
+    EXPECT_TRUE(testing::eventually([&] {
+      testing::RawConnection& connection = poll(address);
+      if (!connection.hears_within(std::chrono::milliseconds(500))) return false;
+      answer = connection.read_answer();
+      return true;
+    }));
+    return answer;
+  };
+  expect_told_to_wait(refused("203.0.113.5"), 429, "2 requests wait for an answer for 203.0.113.5, the limit is 2");
+  poll("127.0.0.1");
+  expect_told_to_wait(refused("127.0.0.1"), 503, "4 requests wait for an answer, the limit is 4");
+  // What needs no wait is answered, and who submits gets the job in place of its mesh.
+  EXPECT_EQ(call(server_->port(), "GET", job).status, 200);
+  EXPECT_EQ(call(server_->port(), "GET", job + "?wait=60", {}, {{"If-None-Match", "\"old\""}}).status, 200);
+  const Answer submitted = call(server_->port(), "POST", "/v1/reconstruct?method=advancing-front",
+                                testing::binary_ply(testing::sphere_points(100)));
+  EXPECT_EQ(submitted.status, 202) << submitted.body;
+  EXPECT_TRUE(submitted.headers.contains("location"));
+  // Who goes leaves his place, as soon as the server has noticed.
+  waiting.clear();
+  EXPECT_EQ(call(server_->port(), "DELETE", job).status, 202);
+  EXPECT_TRUE(testing::eventually(
+      [&] { return call(server_->port(), "GET", submitted.headers.at("location") + "?wait=60").status == 200; }));
+}
+
 }  // namespace
 }  // namespace surfaced

@@ -148,6 +148,21 @@ TEST_F(ConfigurationTest, event_streams_leave_connections_for_other_requests) {
   EXPECT_THAT(read().problems, IsEmpty());
 }
 
+TEST_F(ConfigurationTest, waits_leave_connections_beside_those_of_the_streams) {
+  EXPECT_EQ(read().settings.waits, 400U);
+  sources_.flags["connections"] = "400";
+  EXPECT_EQ(read().settings.waits, 80U);
+  sources_.flags["streams"] = "399";
+  EXPECT_EQ(read().settings.waits, 0U);
+  EXPECT_THAT(read().problems, IsEmpty());
+  sources_.flags["streams"] = "300";
+  sources_.flags["waits"] = "100";
+  EXPECT_THAT(read().problems,
+              ElementsAre("waits is 100; allowed is less than the connections without the streams, which are 100"));
+  sources_.flags["waits"] = "99";
+  EXPECT_THAT(read().problems, IsEmpty());
+}
+
 TEST_F(ConfigurationTest, few_open_files_lower_the_default_of_streams_with_that_of_connections) {
   const auto end = [&] {
     const rlimit few{1024, 1024};

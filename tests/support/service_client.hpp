@@ -1,10 +1,12 @@
 // What tests of the running service do again and again.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -92,6 +94,55 @@ inline std::string code_of(const Answer& answer) {
   const auto json = nlohmann::json::parse(answer.body, nullptr, false);
   return json.is_object() ? json.value("code", "") : "";
 }
+
+/// Watches how much of the machine is taken by anything but the test and its server.
+class Neighbours {
+ public:
+  explicit Neighbours(pid_t server) : server_(server), begin_(read()) {}
+  /// The share of all processors' time that others had so far; those who run a machine for others count, too.
+  double share() const {
+    const Times now = read();
+    const double all = now.all - begin_.all;
+    return all <= 0 ? 0 : std::max(0.0, (now.busy - begin_.busy) - (now.ours - begin_.ours)) / all;
+  }
+
+ private:
+  /// In ticks.
+  struct Times {
+    double all = 0;
+    double busy = 0;
+    double ours = 0;
+  };
+  Times read() const {
+    Times times;
+    std::ifstream machine("/proc/stat");
+    std::string word;
+    machine >> word;
+    // user nice system idle iowait irq softirq steal; what follows is counted in these.
+    for (int i = 0; i < 8; ++i) {
+      double ticks = 0;
+      machine >> ticks;
+      times.all += ticks;
+      if (i != 3 && i != 4) times.busy += ticks;
+    }
+    times.ours = ours("self") + ours(std::to_string(server_));
+    return times;
+  }
+  /// Of a process, and of its children that have ended.
+  static double ours(const std::string& process) {
+    std::ifstream file("/proc/" + process + "/stat");
+    std::string text;
+    std::getline(file, text);
+    std::istringstream fields(text.substr(std::min(text.size(), text.rfind(')') + 1)));
+    std::string skipped;
+    for (int i = 0; i < 11; ++i) fields >> skipped;
+    double sum = 0;
+    for (double ticks = 0, i = 0; i < 4 && fields >> ticks; ++i) sum += ticks;
+    return sum;
+  }
+  pid_t server_;
+  Times begin_;
+};
 
 /// The most memory that the process has had, in MB.
 inline double peak_megabytes(pid_t process) {
