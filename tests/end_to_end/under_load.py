@@ -55,8 +55,10 @@ class Server:
         self.errors_path = os.path.join(folder, "errors")
         with open(self.errors_path, "wb") as errors:
             self.process = subprocess.Popen(
+                # One thread a job: with more, TSan sees races in the children's TBB, which Debian does not instrument.
                 [binary, "serve", "--listen", "127.0.0.1:0", "--data", os.path.join(folder, "data"), "--workers", "2",
-                 "--drain-time", "1", "--rate-limit", "0", "--submission-rate-limit", "0", *flags],
+                 "--threads-per-job", "1", "--drain-time", "1", "--rate-limit", "0", "--submission-rate-limit", "0",
+                 *flags],
                 stdout=subprocess.PIPE, stderr=errors, text=True)
         self.port = int(re.search(r":(\d+)$", self.process.stdout.readline().strip()).group(1))
 
