@@ -14,9 +14,9 @@ export async function show(element, glb) {
   scene.background = new Color(0xf4f4f2);
   const camera = new PerspectiveCamera(40, element.clientWidth / element.clientHeight, radius / 100, 20 * radius);
   camera.position.copy(center).add({ x: 0, y: 0.5 * radius, z: 3 * radius });
-  const sun = new DirectionalLight(0xffffff, 2);
+  const sun = new DirectionalLight(0xffffff, 1.4);
   camera.add(sun);
-  scene.add(model, camera, new HemisphereLight(0xffffff, 0x777777, 1.5));
+  scene.add(model, camera, new HemisphereLight(0xffffff, 0x777777, 0.9));
 
   const renderer = new WebGLRenderer({ antialias: true });
   renderer.setPixelRatio(devicePixelRatio);

@@ -118,7 +118,7 @@ Method minimum_boundary_method() {
                .title = "Minimum boundary",
                .summary =
                    "Connects the points by the closed surface of the Delaunay triangulation whose triangles have "
-                   "the shortest longest edges. For sparse and uneven clouds of closed objects, sharp corners kept.",
+                   "the shortest longest edges. For sparse and uneven clouds of closed objects.",
                .source = "S. Ohrhallinger, S. Mudur, M. Wimmer, Minimizing edge length to connect sparsely sampled "
                          "unstructured point sets, Computers & Graphics 37 (2013)",
                .guarantees = {"The mesh is closed, consistently oriented outwards, edge- and vertex-manifold.",

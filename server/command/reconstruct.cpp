@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <csignal>
@@ -62,6 +64,20 @@ Result<FileRequest> request_of(const Options& options) {
   return FileRequest{options.cloud, options.mesh, *method, std::move(*parameters), {}, {}};
 }
 
+/// For people at a terminal; a program reads the report.
+void tell_result(const Json& report, const Options& options) {
+  if (isatty(STDERR_FILENO) == 0) return;
+  const Json& mesh = report.at("mesh");
+  const bool closed = mesh.at("closed") == true;
+  if (options.output == "mesh") {
+    std::cerr << options.mesh << ": " << mesh.at("vertices") << " vertices, " << mesh.at("triangles") << " triangles, "
+              << (closed ? "closed" : "open");
+    if (closed && mesh.at("genus").is_number()) std::cerr << ", genus " << mesh.at("genus");
+    std::cerr << "\n";
+  }
+  for (const Json& warning : report.at("warnings")) std::cerr << "warning: " << warning.get<std::string>() << "\n";
+}
+
 int reconstruct(const Options& options) {
   Result<FileRequest> request = request_of(options);
   if (!request) return report_problem(request.error());
@@ -72,6 +88,7 @@ int reconstruct(const Options& options) {
   const Result<Json> report = reconstruct_file(*request, context);
   clear_progress_bar();
   if (!report) return report_problem(report.error());
+  tell_result(*report, options);
   return write_report(*report, options.report);
 }
 

@@ -106,6 +106,20 @@ TEST_F(Command, writes_a_mesh_and_a_report_and_says_nothing_else) {
   EXPECT_EQ(nlohmann::json::parse(measured.out).at("mesh"), report.at("mesh"));
 }
 
+TEST_F(Command, tells_people_at_a_terminal_what_was_made_and_what_to_beware_of) {
+  std::vector<Point3> bowl = testing::sphere_points(2000);
+  std::erase_if(bowl, [](const Point3& p) { return p[2] > 0; });
+  const auto bytes = encode_cloud_ply(bowl, {}, {});
+  const fs::path cloud = write("bowl.ply", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  const std::string command = std::string(SURFACED_BINARY) + " reconstruct " + cloud.string() + " -o " +
+                              (folder_ / "m.glb").string() + " --method local-delaunay --param max_edge=3";
+  ASSERT_EQ(std::system(("script -qec '" + command + "' /dev/null > " + (folder_ / "seen").string()).c_str()), 0);
+  const std::string seen = read_all(folder_ / "seen");
+  EXPECT_NE(seen.find("m.glb: " + std::to_string(bowl.size()) + " vertices, "), std::string::npos) << seen;
+  EXPECT_NE(seen.find("triangles, open"), std::string::npos) << seen;
+  EXPECT_NE(seen.find("warning: the mesh is open"), std::string::npos) << seen;
+}
+
 TEST_F(Command, writes_the_points_of_a_method_that_makes_some_upsampled_and_completed) {
   std::vector<Point3> open = testing::sphere_points(4000);
   std::erase_if(open, [](const Point3& p) { return p[2] > 0.8; });

@@ -5,7 +5,7 @@ import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { Client } from './client.mjs';
+import { Client, knot } from './client.mjs';
 import { source } from './support.mjs';
 
 let client;
@@ -34,6 +34,19 @@ test('the story of docs/service.md runs as it is written', { timeout: 600000 }, 
   const run = spawnSync('bash', ['-c', script], { cwd: folder, encoding: 'utf8' });
   assert.equal(run.status, 0, `${run.stdout}\n${run.stderr}`);
   assert.equal(readFileSync(path.join(folder, 'knot.glb')).subarray(0, 4).toString('latin1'), 'glTF');
+});
+
+test('the examples of the contract are of this version: methods, parameters and sections as the server has them', async () => {
+  const read = (name) => JSON.parse(readFileSync(path.join(source, 'proto/examples', name), 'utf8'));
+  const { body: method } = await client.call('GET', '/v1/methods/advancing-front');
+  assert.deepEqual(read('method-advancing-front.json'), method);
+  const { body: job } = await client.post('/v1/jobs?method=advancing-front', knot);
+  await client.finished(job.id);
+  const { body: report } = await client.call('GET', `/v1/jobs/${job.id}/outputs/report.json`);
+  assert.deepEqual(Object.keys(read('report-advancing-front.json')).sort(), Object.keys(report).sort());
+  for (const name of ['job-successful.json', 'job-failed.json', 'report-advancing-front.json']) {
+    assert.deepEqual(read(name).parameters, report.parameters, name);
+  }
 });
 
 test('the reference for people is served without anything from elsewhere', async () => {
