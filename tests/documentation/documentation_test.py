@@ -63,6 +63,12 @@ class Documentation(unittest.TestCase):
         figures = [each.name for each in FILES if each.suffix == ".png" and "figures" in each.parts]
         self.assertEqual([each for each in figures if each not in text], [])
 
+    def test_the_page_of_the_report_names_every_section_and_every_field_of_mesh_and_quality(self):
+        page = (SOURCE / "docs/report.md").read_text()
+        schema = json.loads((SOURCE / "proto/schema/report.json").read_text())["properties"]
+        names = [*schema, *schema["mesh"]["properties"], *schema["quality"]["properties"]]
+        self.assertEqual([each for each in names if not re.search(rf"`(\w+\.)?{each}`", page)], [])
+
     def test_words_are_spelt(self):
         read = (".md", ".hpp", ".yaml", ".html", ".sh", ".py", ".1")
         written = [str(each) for each in FILES if each.suffix in read or each.name in ("dev", "packages.txt", "Dockerfile", "NOTICE", "errors.json")
