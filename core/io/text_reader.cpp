@@ -240,7 +240,8 @@ class TextReader {
       }
     }
     if (layout_->ignores_some) {
-      cloud_.warnings.push_back("some of the " + std::to_string(layout_->columns) +
+      const std::size_t used = 3U + (layout_->normals ? 3U : 0U) + (layout_->colors ? 3U : 0U);
+      cloud_.warnings.push_back(std::to_string(layout_->columns - used) + " of " + std::to_string(layout_->columns) +
                                 " columns ignored: they are neither positions nor normals nor colours");
     }
     if (layout_->normals) cloud_.normals = std::move(layout_->normals->values);
