@@ -1,12 +1,16 @@
-// The table of docs/noise.md: how far from the truth each method ends on noisy tori, with and without preparing.
+// The tables of docs/noise.md: how far from the truth each method ends on noisy shapes, with and without preparing.
 //   build/release/noise_study [POINTS]
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
+#include "base/vectors.hpp"
 #include "preparing/preparing.hpp"
 #include "reconstruction/reconstruction.hpp"
 #include "support/shapes.hpp"
@@ -15,13 +19,67 @@ namespace surfaced {
 namespace {
 
 double distance_to_torus(const Point3& p) { return std::abs(std::hypot(std::hypot(p[0], p[1]) - 1, p[2]) - 0.3); }
+double distance_to_sphere(const Point3& p) { return std::abs(norm(p) - 1); }
 
-/// Noise by a normal distribution along the normals; outliers evenly in a box around.
-PointCloud noisy_torus(std::size_t points, double noise, double outliers) {
-  std::vector<Point3> all = testing::random_torus(points, 11, noise);
+std::vector<Point3> noisy_sphere(std::size_t points, std::uint32_t seed, double noise) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> component(0, 1);
+  std::vector<Point3> all;
+  while (all.size() < points) {
+    const auto direction = direction_of({component(random), component(random), component(random)});
+    if (direction) all.push_back((1 + noise * component(random)) * *direction);
+  }
+  return all;
+}
+
+/// Half the sides of a box: edges and corners, and walls that are 10 to 20 spacings apart.
+constexpr Point3 kHalf{1, 0.7, 0.5};
+
+double distance_to_box(const Point3& p) {
+  Point3 outside{};
+  double inside = -std::numeric_limits<double>::infinity();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double beyond = std::abs(p[axis]) - kHalf[axis];
+    outside.at(axis) = std::max(beyond, 0.0);
+    inside = std::max(inside, beyond);
+  }
+  return inside > 0 ? norm(outside) : -inside;
+}
+
+std::vector<Point3> noisy_box(std::size_t points, std::uint32_t seed, double noise) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-1, 1);
+  std::normal_distribution<double> off(0, noise > 0 ? noise : 1);
+  std::discrete_distribution<std::size_t> across{1 / kHalf[0], 1 / kHalf[1], 1 / kHalf[2]};
+  std::vector<Point3> all;
+  for (std::size_t i = 0; i < points; ++i) {
+    Point3 p{kHalf[0] * place(random), kHalf[1] * place(random), kHalf[2] * place(random)};
+    const std::size_t axis = across(random);
+    const double wall = kHalf[axis] + (noise > 0 ? off(random) : 0);
+    p.at(axis) = p[axis] < 0 ? -wall : wall;
+    all.push_back(p);
+  }
+  return all;
+}
+
+struct Shape {
+  const char* name;
+  /// Random points of it, with normally distributed noise across the surface.
+  std::vector<Point3> (*points)(std::size_t, std::uint32_t seed, double noise);
+  double (*distance)(const Point3&);
+};
+constexpr std::array kShapes{Shape{"torus", testing::random_torus, distance_to_torus},
+                             Shape{"box", noisy_box, distance_to_box},
+                             Shape{"sphere", noisy_sphere, distance_to_sphere}};
+
+/// Outliers evenly in a box around.
+PointCloud noisy(const Shape& shape, std::size_t points, double noise, double outliers) {
+  std::vector<Point3> all = shape.points(points, 11, noise);
+  const Bounds bounds = bounds_of(shape.points(points, 11, 0));
   for (const Point3& p :
        testing::random_points(static_cast<std::size_t>(std::lround(outliers * static_cast<double>(points))), 12)) {
-    all.push_back({1.5 * p[0], 1.5 * p[1], 0.5 * p[2]});
+    const Point3& high = bounds.high;
+    all.push_back({1.2 * high[0] * p[0], 1.2 * high[1] * p[1], 1.6 * high[2] * p[2]});
   }
   return *make_cloud(testing::raw_cloud(std::move(all)));
 }
@@ -58,64 +116,114 @@ std::vector<Point3> samples_of(const TriangleMesh& mesh, double step) {
 }
 
 struct Score {
+  bool failed = false;
+  bool closed = false;
   double mean = 0;
   double covered = 0;
 };
 
-Score score_of(const TriangleMesh& mesh, double spacing) {
+Score score_of(const TriangleMesh& mesh, const Shape& shape, double spacing) {
   constexpr double kNear = 2;
   const std::vector<Point3> samples = samples_of(mesh, spacing);
-  if (samples.empty()) return {};
-  Score score;
-  for (const Point3& p : samples) score.mean += distance_to_torus(p) / static_cast<double>(samples.size());
+  if (samples.empty()) return {.failed = true};
+  Score score{.closed = topology_of(mesh).closed};
+  for (const Point3& p : samples) score.mean += shape.distance(p) / static_cast<double>(samples.size());
   score.mean /= spacing;
-  const std::vector<Point3> truth = testing::random_torus(4000, 77);
+  const std::vector<Point3> truth = shape.points(4000, 77, 0);
   for (const double d : nearest_points(samples, truth, 1).distance) {
     if (d < kNear * spacing) score.covered += 1.0 / static_cast<double>(truth.size());
   }
   return score;
 }
 
-void print_cell(const MethodInfo& method, const PointCloud& cloud, double spacing) {
+Score score_of(const MethodInfo& method, const PointCloud& cloud, const Shape& shape, double spacing) {
   Context context(2);
-  const auto mesh = run(cloud, method, *check_parameters(method, Json::object()), context);
-  if (!mesh) {
+  const auto result = run(cloud, method, *check_parameters(method, Json::object()), context);
+  return result ? score_of(result->mesh, shape, spacing) : Score{.failed = true};
+}
+
+/// A row of the table: for every method what it scored on each shape.
+struct Row {
+  double noise = 0;
+  double outliers = 0;
+  bool prepared = false;
+  std::vector<std::vector<Score>> of_method;
+};
+
+/// Mean of the distances, least of the coverages.
+void print_cell(const std::vector<Score>& scores) {
+  double sum = 0;
+  double covered = 1;
+  std::size_t there = 0;
+  bool closed = true;
+  for (const Score& score : scores) {
+    if (score.failed) continue;
+    ++there;
+    sum += score.mean;
+    covered = std::min(covered, score.covered);
+    closed = closed && score.closed;
+  }
+  if (there == 0) {
     std::printf(" failed |");
     return;
   }
-  const Score score = score_of(mesh->mesh, spacing);
-  std::printf(" %.2f", score.mean);
-  if (score.covered < 0.95) std::printf(" (%.0f %%)", 100 * score.covered);
-  std::printf("%s |", topology_of(mesh->mesh).closed ? " c" : "");
+  std::printf(" %.2f", sum / static_cast<double>(there));
+  if (covered < 0.95) std::printf(" (%.0f %%)", 100 * covered);
+  if (there < scores.size()) std::printf(" %zu failed", scores.size() - there);
+  std::printf("%s |", closed && there == scores.size() ? " c" : "");
 }
 
-void print_row(std::size_t points, double spacing, double noise, double outliers) {
-  const PointCloud cloud = noisy_torus(points, noise * spacing, outliers);
-  Context context;
-  const auto clean = prepared(cloud, noise, context);
-  for (const bool with : {false, true}) {
-    if (with && !clean) continue;
-    std::printf("| %.1f | %.0f %% | %s |", noise, 100 * outliers, with ? "yes" : "no");
-    for (const MethodInfo& method : methods()) print_cell(method, with ? *clean : cloud, spacing);
-    std::printf("\n");
-    std::fflush(stdout);
-  }
-}
-
-/// All rows, with the table's head.
-void study(std::size_t points) {
-  const double spacing = spacing_of(testing::random_torus(points, 11), 1);
-  std::printf("%zu points, spacing %.4f\n\n| noise | outliers | prepared |", points, spacing);
+/// Rows of all shapes together, or of one.
+void print_table(const std::vector<Row>& rows, std::optional<std::size_t> shape) {
+  std::printf("\n%s\n\n| noise | outliers | prepared |", shape ? kShapes.at(*shape).name : "all shapes");
   for (const MethodInfo& method : methods()) std::printf(" %s |", method.id.c_str());
   std::printf("\n|---|---|---|");
   for (std::size_t i = 0; i < methods().size(); ++i) std::printf("---|");
   std::printf("\n");
-  for (const double outliers : {0.0, 0.05, 0.2}) {
-    for (const double noise : {0.1, 0.5, 1.0, 2.0, 5.0}) print_row(points, spacing, noise, outliers);
+  for (const Row& row : rows) {
+    std::printf("| %.1f | %.0f %% | %s |", row.noise, 100 * row.outliers, row.prepared ? "yes" : "no");
+    for (const std::vector<Score>& scores : row.of_method) {
+      print_cell(shape ? std::vector<Score>{scores[*shape]} : scores);
+    }
+    std::printf("\n");
   }
+  std::fflush(stdout);
+}
+
+/// Fills a row without and a row with preparing.
+void measure(std::size_t points, Row& raw, Row& with) {
+  for (const Shape& shape : kShapes) {
+    const double spacing = spacing_of(shape.points(points, 11, 0), 1);
+    const PointCloud cloud = noisy(shape, points, raw.noise * spacing, raw.outliers);
+    Context context;
+    const auto clean = prepared(cloud, raw.noise, context);
+    for (std::size_t m = 0; m < methods().size(); ++m) {
+      raw.of_method[m].push_back(score_of(methods()[m], cloud, shape, spacing));
+      with.of_method[m].push_back(clean ? score_of(methods()[m], *clean, shape, spacing) : Score{.failed = true});
+    }
+  }
+}
+
+void study(std::size_t points) {
+  std::vector<Row> rows;
+  for (const Shape& shape : kShapes) {
+    std::printf("%s: %zu points, spacing %.4f\n", shape.name, points, spacing_of(shape.points(points, 11, 0), 1));
+  }
+  for (const double outliers : {0.0, 0.05, 0.2}) {
+    for (const double noise : {0.1, 0.5, 1.0, 2.0, 5.0}) {
+      std::vector<Row> pair(2, {.noise = noise, .outliers = outliers, .of_method = {}});
+      for (Row& row : pair) row.of_method.resize(methods().size());
+      pair[1].prepared = true;
+      measure(points, pair[0], pair[1]);
+      rows.insert(rows.end(), pair.begin(), pair.end());
+      std::fprintf(stderr, "noise %.1f, %.0f %% outliers\n", noise, 100 * outliers);
+    }
+  }
+  print_table(rows, std::nullopt);
+  for (std::size_t shape = 0; shape < kShapes.size(); ++shape) print_table(rows, shape);
 }
 
 }  // namespace
 }  // namespace surfaced
 
-int main(int argc, char** argv) { surfaced::study(argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10'000); }
+int main(int argc, char** argv) { surfaced::study(argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 4'000); }
