@@ -1,9 +1,10 @@
 #include "cloud/cloud.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include "base/parallel.hpp"
@@ -14,11 +15,10 @@ namespace {
 
 constexpr double kFloatMax = static_cast<double>(std::numeric_limits<float>::max());
 
+/// The shortest text that is this value.
 std::string value_text(double value) {
-  std::ostringstream text;
-  text.precision(17);
-  text << value;
-  return text.str();
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
 /// First coordinate that no mesh file could hold, or success. Turns -0 into +0.

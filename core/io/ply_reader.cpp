@@ -120,7 +120,7 @@ class PlyReader {
 
  private:
   std::string row_name(const PlyElement& element, std::uint64_t row) const {
-    return std::string(name_) + ": element " + in_quotes(element.name) + ", row " + std::to_string(row) + " of " +
+    return std::string(name_) + ": element " + in_quotes(element.name) + ", row " + std::to_string(row + 1) + " of " +
            std::to_string(element.count);
   }
   Error truncated(const PlyElement& element, std::uint64_t row) const {

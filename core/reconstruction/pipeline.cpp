@@ -87,14 +87,18 @@ Result<Measured> measure_encoded(const FileRequest& request, const Reconstructio
                   .encoding = encoding_json(*effect, format, request.parameters)};
 }
 
+std::vector<std::string> warnings_of_openings(const Json& topology) {
+  const Json& open = topology.at("boundary_edges");
+  if (open == 0) return {};
+  return {"the mesh is open: " + open.dump() + " edges have one triangle"};
+}
+
 /// The part of the report that is the same for every run on the same points.
 Json reproducible_report(const FileRequest& request, const PointCloud& cloud, const Json& preparing,
                          const Reconstruction& result, const Measured& measured, std::optional<MeshFormat> format) {
   std::vector<std::string> warnings = cloud.warnings;
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
-  if (const Json& open = measured.mesh.at("boundary_edges"); open > 0) {
-    warnings.push_back("the mesh is open: " + open.dump() + " edges have one triangle");
-  }
+  std::ranges::copy(warnings_of_openings(measured.mesh), std::back_inserter(warnings));
   if (!measured.encoding.is_null() && measured.encoding.at("merged_vertices") > 0) {
     warnings.push_back(measured.encoding.at("merged_vertices").dump() +
                        " vertices share a position with another after encoding");
@@ -296,6 +300,7 @@ Result<Json> measure_file(const std::filesystem::path& mesh, const std::optional
               {"quality", quality_json(measure_quality(*decoded, topology), use, pairs)},
               {"certificate", nullptr},
               {"provenance", {{"generator", "surfaced"}, {"version", version()}}}};
+  for (std::string& warning : warnings_of_openings(report.at("mesh"))) report["warnings"].push_back(std::move(warning));
   if (!decoded->triangles.empty()) {
     const Result<Certificate> certificate = certify(*decoded, context);
     if (!certificate) return certificate.error();

@@ -32,7 +32,7 @@ std::vector<Refused> refused_files() {
       {"2^40 points in ascii", with_vertices("1099511627776", "ascii") + "1 2 3\n", "truncated_input", "1099511627776"},
       {"a missing ascii row", with_vertices("2", "ascii") + "1.0 2.0 3.0\n", "truncated_input", "1 of 2"},
       {"a cut ascii row", with_vertices("2", "ascii") + "1.0 2.0 3.0\n4 5", "truncated_input", "1 of 2"},
-      {"a short ascii row", with_vertices("2", "ascii") + "1.0 2.0\n4.0 5.0 6.0\n", "malformed_input", "row 0 of 2"},
+      {"a short ascii row", with_vertices("2", "ascii") + "1.0 2.0\n4.0 5.0 6.0\n", "malformed_input", "row 1 of 2"},
       {"a long ascii row", with_vertices("2", "ascii") + "1 2 3 4\n4 5 6\n", "malformed_input", "more values"},
       {"no points", with_vertices("0"), "empty_input", "0 vertices"},
       {"a negative count", with_vertices("-5"), "malformed_input", "'-5'"},
