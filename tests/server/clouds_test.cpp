@@ -119,6 +119,68 @@ TEST_F(CloudsTest, pages_go_from_the_newest_to_the_oldest_and_miss_none) {
   EXPECT_EQ(jobs_->holding_of("alice").value().active_jobs, 3U);
 }
 
+/// Every job that the filter lets through, in pages of three.
+std::vector<std::string> listed(JobStore& jobs, const JobFilter& filter) {
+  std::vector<std::string> ids;
+  std::optional<std::int64_t> next;
+  do {
+    const JobPage page = jobs.list(filter, 3, next).value();
+    EXPECT_LE(page.jobs.size(), 3U);
+    for (const Job& job : page.jobs) ids.push_back(job.id);
+    next = page.next;
+  } while (next);
+  return ids;
+}
+
+bool lets_through(const JobFilter& filter, const Job& job) {
+  const auto has = [](const auto& list, const auto& value) { return std::ranges::find(list, value) != list.end(); };
+  if (filter.owner && *filter.owner != job.owner) return false;
+  if (!filter.statuses.empty() && !has(filter.statuses, job.status)) return false;
+  if (!filter.methods.empty() && !has(filter.methods, job.method)) return false;
+  return std::ranges::all_of(filter.labels, [&](const std::string& label) { return has(job.labels, label); });
+}
+
+/// Owners, statuses, methods and labels in all their combinations.
+std::vector<JobFilter> filters() {
+  using Texts = std::vector<std::string>;
+  using enum JobStatus;
+  std::vector<JobFilter> all;
+  for (const std::vector<JobStatus>& statuses :
+       std::vector<std::vector<JobStatus>>{{}, {failed}, {accepted, running}, {successful, failed}}) {
+    for (const Texts& methods : std::vector<Texts>{{}, {"b"}, {"c", "a", "c"}, {"z"}}) {
+      for (const Texts& labels : std::vector<Texts>{{}, {"x"}, {"y"}, {"xy", "x"}}) {
+        for (const char* owner : {"", "alice"}) all.push_back({owner, statuses, methods, labels});
+        all.push_back({std::nullopt, statuses, methods, labels});
+      }
+    }
+  }
+  return all;
+}
+
+TEST_F(CloudsTest, pages_by_any_filter_have_the_jobs_that_a_look_at_each_finds) {
+  const std::vector<std::string> methods{"a", "b", "c"};
+  for (std::size_t i = 0; i < 40; ++i) {
+    NewJob job{random_hex<16>(), methods[i * 7 % 3], {}, cloud('a'), {"mesh.glb"}, "r", "", std::chrono::hours(1)};
+    job.input.key = job.id;
+    job.owner = i % 4 == 0 ? "" : "alice";
+    job.labels = {"xy"};
+    if (i % 5 == 0) job.labels.insert(job.labels.begin(), "x");
+    ASSERT_TRUE(jobs_->submit(job).ok());
+    if (i % 3 != 0) finish(i % 2 == 0 ? Outcome::done : Outcome::input_invalid);
+    if (i % 9 == 0) jobs_->claim().value();
+  }
+  std::vector<Job> all;
+  for (const std::string& id : listed(*jobs_, {})) all.push_back(jobs_->find(id).value());
+  ASSERT_EQ(all.size(), 40U);
+  for (const JobFilter& filter : filters()) {
+    std::vector<std::string> expected;
+    for (const Job& job : all) {
+      if (lets_through(filter, job)) expected.push_back(job.id);
+    }
+    EXPECT_EQ(listed(*jobs_, filter), expected);
+  }
+}
+
 TEST_F(CloudsTest, the_end_of_a_job_stands_in_the_outbox_with_its_state) {
   const Job told = submit({random_hex<16>(), 1, "x"}, "", "https://example.org/hook");
   EXPECT_THAT(deliveries_->due(10).value(), IsEmpty());

@@ -57,11 +57,11 @@ class Database {
   sqlite3_stmt* prepared(const char* sql);
 
   std::unique_ptr<sqlite3, Close> handle_;
-  // By the address of the SQL, which is always a literal.
+  // By the address of the SQL, which lives as long as the program.
   std::map<const char*, std::unique_ptr<sqlite3_stmt, Finalize>> statements_;
 };
 
-/// One use of a prepared statement, which is kept for the next use of the same literal.
+/// One use of a prepared statement, which is kept for the next use of the same text.
 class Query {
  public:
   Query(Database& database, const char* sql);

@@ -128,6 +128,12 @@ ALTER TABLE jobs ADD COLUMN presentation TEXT NOT NULL DEFAULT '';
 ALTER TABLE clouds ADD COLUMN used_at TEXT NOT NULL DEFAULT '';
 UPDATE clouds SET used_at = strftime('%Y-%m-%dT%H:%M:%fZ', 'now');
 )sql",
+    // For pages of jobs, and for what a key holds.
+    R"sql(
+CREATE INDEX jobs_owner ON jobs (owner, seq, status, removed_at) WHERE removed_at IS NULL;
+CREATE INDEX jobs_status ON jobs (status, seq) WHERE removed_at IS NULL;
+CREATE INDEX jobs_method ON jobs (method, status, seq) WHERE removed_at IS NULL;
+)sql",
 });
 
 }  // namespace
