@@ -344,6 +344,9 @@ TEST_F(JobStoreTest, a_file_of_the_first_version_is_brought_up_with_all_its_jobs
   EXPECT_EQ(find("bad").attempts.front().outcome, "input_invalid");
   EXPECT_EQ(find("waiting").status, JobStatus::accepted);
   EXPECT_TRUE(find("waiting").attempts.empty());
+  JobFilter failed;
+  failed.statuses = {JobStatus::failed};
+  EXPECT_EQ(store_->list(failed, 10, std::nullopt).value().jobs.size(), 1U) << "its indexes have what was there";
   EXPECT_EQ(store_->recover().value(), 1U);
   EXPECT_EQ(find("running").attempts.front().outcome, "lost");
 }
