@@ -127,7 +127,9 @@ void GltfDocument::parse_json(std::span<const std::byte> text) {
   try {
     json_ = Json::parse(begin, begin + text.size());
   } catch (const Json::parse_error& error) {
-    malformed("its JSON breaks at byte " + std::to_string(error.byte) + " of " + std::to_string(text.size()));
+    const std::string size = std::to_string(text.size());
+    malformed(error.byte > text.size() ? "its JSON ends too early, after " + size + " bytes"
+                                       : "its JSON breaks at byte " + std::to_string(error.byte) + " of " + size);
   } catch (const Json::out_of_range&) {
     malformed("its JSON holds a number beyond the range of double");
   }
