@@ -78,7 +78,7 @@ test('requests, jobs and bytes have their limits', async () => {
   assert.equal(`${slower.status} ${slower.body.code}`, '429 too_many_requests');
   assert.ok(Number(slower.headers.get('retry-after')) >= 1);
   await expect(429, 'quota_exceeded', server.as(small).post('/v1/clouds', knot));
-  const first = await server.as(single).post('/v1/jobs?method=advancing-front', sphere(50000));
+  const first = await server.as(single).post('/v1/jobs?method=advancing-front', sphere(150000));
   assert.equal(first.status, 201);
   await server.freeze(first.body.id, single);
   await expect(429, 'quota_exceeded', server.as(single).post('/v1/jobs?method=advancing-front', sphere(50)));

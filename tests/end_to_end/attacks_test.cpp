@@ -207,7 +207,7 @@ TEST_F(AttackTest, a_client_cannot_say_where_it_comes_from_and_cannot_forge_the_
 }
 
 TEST_F(AttackTest, event_streams_and_long_polls_by_the_hundred_leave_room_for_others) {
-  const std::string job = "/v1/jobs/" + testing::start_endless_job(*server_, testing::random_points(100'000, 3));
+  const std::string job = "/v1/jobs/" + testing::start_endless_job(*server_, testing::random_points(30'000, 3));
   const Crowd streams = crowd(1600, "GET " + job + "/events HTTP/1.1\r\nHost: h\r\n\r\n");
   const Crowd polls = crowd(300, "GET " + job + "?wait=2 HTTP/1.1\r\nHost: h\r\n\r\n");
   std::map<int, int> statuses;
@@ -219,7 +219,7 @@ TEST_F(AttackTest, event_streams_and_long_polls_by_the_hundred_leave_room_for_ot
 }
 
 TEST_F(AttackTest, long_polls_by_the_thousand_leave_room_for_others) {
-  const std::string job = "/v1/jobs/" + testing::start_endless_job(*server_, testing::random_points(100'000, 3));
+  const std::string job = "/v1/jobs/" + testing::start_endless_job(*server_, testing::random_points(30'000, 3));
   const Crowd polls = crowd(1800, "GET " + job + "?wait=60 HTTP/1.1\r\nHost: h\r\n\r\n");
   const auto told = [&] {
     return std::ranges::count_if(polls, [](const auto& each) { return each->hears_within(milliseconds(0)); });

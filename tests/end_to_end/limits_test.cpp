@@ -70,7 +70,7 @@ TEST_F(LimitsTest, who_submits_too_fast_is_told_when_to_come_back_and_may_still_
 
 TEST_F(LimitsTest, event_streams_have_places_in_all_and_for_each_client) {
   serve({"--streams", "4", "--streams-per-client", "2", "--workers", "1"});
-  const std::string job = testing::start_endless_job(*server_, testing::random_points(100'000, 3));
+  const std::string job = testing::start_endless_job(*server_, testing::random_points(30'000, 3));
   const std::string target = "/v1/jobs/" + job + "/events";
   std::vector<std::unique_ptr<testing::RawConnection>> open;
   const auto follow = [&](const std::string& address) {
@@ -93,7 +93,7 @@ TEST_F(LimitsTest, event_streams_have_places_in_all_and_for_each_client) {
 
 TEST_F(LimitsTest, waits_have_places_in_all_and_for_each_client) {
   serve({"--waits", "4", "--waits-per-client", "2", "--workers", "1"});
-  const std::string job = "/v1/jobs/" + testing::start_endless_job(*server_, testing::random_points(100'000, 3));
+  const std::string job = "/v1/jobs/" + testing::start_endless_job(*server_, testing::random_points(30'000, 3));
   std::vector<std::unique_ptr<testing::RawConnection>> waiting;
   // Who is refused is told so at once; who is not can be told only by not hearing anything.
   const auto send = [&](const std::string& request, const std::string& address) -> testing::RawConnection& {

@@ -6,7 +6,6 @@
 #include <sstream>
 #include <thread>
 
-#include "support/limited_child.hpp"
 #include "support/service_client.hpp"
 #include "support/shapes.hpp"
 #include "support/temporary_directory.hpp"
@@ -115,8 +114,7 @@ TEST_F(OperationsTest, a_public_address_without_keys_is_warned_of_in_the_log) {
 
 TEST_F(OperationsTest, a_server_that_is_told_to_stop_is_unready_at_once_and_answers_until_its_jobs_have_ended) {
   testing::ServerProcess server(path("data"), {"--drain-time", "600", "--workers", "1"});
-  const std::string running =
-      testing::start_endless_job(server, testing::random_points(testing::measuring_is_moot() ? 20'000 : 60'000, 1));
+  const std::string running = testing::start_endless_job(server, testing::random_points(20'000, 1));
   const std::string waiting = submit(server.port(), cloud_);
   ::kill(server.pid(), SIGTERM);
   EXPECT_TRUE(testing::eventually([&] { return call(server.port(), "GET", "/readyz").status == 503; }));
@@ -135,8 +133,7 @@ TEST_F(OperationsTest, a_server_that_is_told_to_stop_is_unready_at_once_and_answ
 TEST_F(OperationsTest, a_job_that_was_given_back_at_a_stop_has_lost_nothing_but_time) {
   std::optional<testing::ServerProcess> server(std::in_place, path("data"),
                                                std::vector<std::string>{"--drain-time", "0"});
-  const std::string id =
-      testing::start_endless_job(*server, testing::random_points(testing::measuring_is_moot() ? 20'000 : 60'000, 1));
+  const std::string id = testing::start_endless_job(*server, testing::random_points(20'000, 1));
   EXPECT_EQ(server->end(SIGTERM), 0);
   server.emplace(path("data"));
   const Json job = testing::wait_for_end(server->port(), id);

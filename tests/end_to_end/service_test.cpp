@@ -160,7 +160,7 @@ TEST_F(ServiceTest, wrong_requests_are_refused_before_anything_is_stored) {
 TEST_F(ServiceTest, a_long_call_becomes_a_job) {
   server_.reset();
   server_.emplace(directory_.path() / "data", std::vector<std::string>{"--wait-limit", "0", "--workers", "1"});
-  const std::string before = testing::start_endless_job(*server_, testing::random_points(100'000, 3));
+  const std::string before = testing::start_endless_job(*server_, testing::random_points(30'000, 3));
   const Answer answer = call("POST", "/v1/reconstruct?method=advancing-front", ply(testing::sphere_points(20'000)));
   ASSERT_EQ(answer.status, 202) << answer.body;
   const std::string location = answer.headers.at("location");
@@ -190,7 +190,7 @@ TEST_F(ServiceTest, dismissing_a_running_job_stops_its_process_within_two_second
 TEST_F(ServiceTest, a_full_queue_is_told_with_retry_after) {
   server_.reset();
   server_.emplace(directory_.path() / "data", std::vector<std::string>{"--queue-limit", "1", "--workers", "1"});
-  testing::start_endless_job(*server_, testing::random_points(100'000, 2));
+  testing::start_endless_job(*server_, testing::random_points(30'000, 2));
   submit(ply(testing::sphere_points(100)));
   const Answer refused = call("POST", "/v1/jobs?method=advancing-front", ply(testing::sphere_points(100)));
   EXPECT_EQ(refused.status, 503);

@@ -288,10 +288,10 @@ def stop_with_streams(server, seed):
         held[-1].request("GET", f"/v1/jobs/{job}" + ("/events" if i % 2 else "?wait=60"))
     server.process.send_signal(signal.SIGTERM)
     try:
-        code = server.process.wait(60)
+        code = server.process.wait(240)
     except subprocess.TimeoutExpired:
         server.process.kill()
-        code = "no end within 60 s"
+        code = "no end within 240 s"
     for connection in held:
         connection.close()
     return code, client.wrong
