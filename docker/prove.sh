@@ -45,9 +45,15 @@ build() {
     awk '/^FROM/ { skipped = / AS build$/ } !skipped' docker/Dockerfile >"$file"
     context=(--build-context "build=$work/build")
   fi
-  # The apt of this machine may need a proxy; the image gets none of it.
-  builder bud -q --format docker --isolation chroot --pull-never --no-cache "${context[@]}" --volume /etc/apt/apt.conf.d:/etc/apt/apt.conf.d:ro \
-    -f "$file" -t $tag . >/dev/null
+  if [[ $compile == yes ]]; then
+    mkdir -p "$work/machine/ccache"
+    cp /etc/ssl/certs/ca-certificates.crt "$work/machine/"
+    printf 'registry=%s\ncafile=/mnt/ca-certificates.crt\n' "$(npm config get registry)" >"$work/machine/npmrc"
+    context=(--volume "$work/machine:/mnt" --build-arg NPM_CONFIG_USERCONFIG=/mnt/npmrc --build-arg CCACHE_DIR=/mnt/ccache)
+  fi
+  # The registries of this machine may need a proxy or a certificate; the image gets none of it.
+  builder bud --format docker --isolation chroot --pull-never --no-cache "${context[@]}" --volume /etc/apt/apt.conf.d:/etc/apt/apt.conf.d:ro \
+    -f "$file" -t $tag . >"$work/build.log" 2>&1 || { tail -n 40 "$work/build.log" >&2; fail "the build failed; all it printed is in $work/build.log"; }
 }
 
 prove() {
