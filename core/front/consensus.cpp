@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "base/parallel.hpp"
 #include "base/sided_sets.hpp"
@@ -60,12 +61,13 @@ std::uint32_t mask_of(const LocalStars& stars, std::size_t v) {
   return in_first & in_second;
 }
 
-/// Whether triangle (v, first, second) has the opposite orientation in the star of `first`.
-std::uint32_t turned_at_first(const LocalStars& stars, std::uint32_t v, Corners c) {
-  return beside(stars, c.first, v).before == c.second ? 0 : 1;
-}
-std::uint32_t turned_at_second(const LocalStars& stars, std::uint32_t v, Corners c) {
-  return beside(stars, c.second, v).after == c.first ? 0 : 1;
+/// Whether triangle (v, first, second) has the opposite orientation in the star of `first`, and of `second`.
+struct Turned {
+  bool at_first;
+  bool at_second;
+};
+Turned turned(const LocalStars& stars, std::uint32_t v, Corners c) {
+  return {beside(stars, c.first, v).before != c.second, beside(stars, c.second, v).after != c.first};
 }
 
 /// Takes face i of v, with corners c, from the masks of its three vertices.
@@ -84,21 +86,58 @@ void drop_face(const LocalStars& stars, FaceMasks& faces, std::uint32_t v, Corne
 
 std::uint32_t full_mask(std::size_t triangles) { return triangles >= 32 ? 0xFFFFFFFFU : (1U << triangles) - 1; }
 
+double parallelism(const LocalStars& stars, std::uint32_t a, std::uint32_t b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    sum += static_cast<double>(stars.normals[a][k]) * static_cast<double>(stars.normals[b][k]);
+  }
+  return sum;
+}
+
+/// Least agreement, from -1 to 1, of the normals at the corners of the face with how the stars there turn it: low where
+/// noise folds the surface over.
+double certainty(const LocalStars& stars, std::uint32_t v, Corners c, Turned t) {
+  const auto agreement = [&](std::uint32_t a, std::uint32_t b, bool turned_over) {
+    return turned_over ? -parallelism(stars, a, b) : parallelism(stars, a, b);
+  };
+  return std::min({agreement(v, c.first, t.at_first), agreement(v, c.second, t.at_second),
+                   agreement(c.first, c.second, t.at_first != t.at_second)});
+}
+
+/// The surest faces first: of faces that contradict each other the more doubtful ones go, instead of a slit along which
+/// two parts meet that others have turned.
 std::size_t unite_across_faces(const LocalStars& stars, FaceMasks& faces, SidedSets& sets) {
+  constexpr double kSure = 0.8;
+  struct Doubtful {
+    double certainty;
+    std::uint32_t v;
+    Corners c;
+    Turned t;
+  };
+  std::vector<Doubtful> doubtful;
   std::size_t dropped = 0;
+  const auto unite = [&](std::uint32_t v, Corners c, Turned t) {
+    if (sets.unite(v, c.first, t.at_first ? 1 : 0) && sets.unite(v, c.second, t.at_second ? 1 : 0)) return;
+    drop_face(stars, faces, v, c);
+    ++dropped;
+  };
   for (std::uint32_t v = 0; v < stars.points(); ++v) {
     const auto star = stars.star(v);
     for (std::size_t i = 0; i < stars.triangles(v); ++i) {
       if ((faces[v] >> i & 1U) == 0) continue;
       const Corners c = corners(star, i);
       if (v > c.first || v > c.second) continue;
-      if (sets.unite(v, c.first, turned_at_first(stars, v, c)) &&
-          sets.unite(v, c.second, turned_at_second(stars, v, c)))
-        continue;
-      drop_face(stars, faces, v, c);
-      ++dropped;
+      const Turned t = turned(stars, v, c);
+      const double sure = certainty(stars, v, c, t);
+      if (sure >= kSure) {
+        unite(v, c, t);
+      } else {
+        doubtful.push_back({sure, v, c, t});
+      }
     }
   }
+  std::ranges::stable_sort(doubtful, std::ranges::greater(), &Doubtful::certainty);
+  for (const Doubtful& d : doubtful) unite(d.v, d.c, d.t);
   return dropped;
 }
 
@@ -111,20 +150,12 @@ void unite_across_shared_triangles(const LocalStars& stars, const FaceMasks& fac
       const Corners c = corners(star, i);
       const Beside at_first = beside(stars, c.first, v);
       if (at_first.before == c.second || at_first.after == c.second)
-        sets.unite(v, c.first, turned_at_first(stars, v, c));
+        sets.unite(v, c.first, at_first.before == c.second ? 0 : 1);
       const Beside at_second = beside(stars, c.second, v);
       if (at_second.before == c.first || at_second.after == c.first)
-        sets.unite(v, c.second, turned_at_second(stars, v, c));
+        sets.unite(v, c.second, at_second.after == c.first ? 0 : 1);
     }
   }
-}
-
-double parallelism(const LocalStars& stars, std::uint32_t a, std::uint32_t b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    sum += static_cast<double>(stars.normals[a][k]) * static_cast<double>(stars.normals[b][k]);
-  }
-  return sum;
 }
 
 void unite_along_edges(const LocalStars& stars, const FaceMasks& faces, SidedSets& sets) {

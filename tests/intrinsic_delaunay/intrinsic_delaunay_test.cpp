@@ -1,6 +1,8 @@
 // What intrinsic-delaunay promises: the claims of every front, for all its variants, and its own parameters.
 #include "intrinsic_delaunay/intrinsic_delaunay.hpp"
 
+#include <random>
+
 #include "support/front_claims.hpp"
 
 namespace surfaced {
@@ -35,6 +37,27 @@ struct IntrinsicDelaunay {
 Result<IntrinsicDelaunayResult> reconstruct(const std::vector<Point3>& points, const Parameters& parameters) {
   Context context;
   return intrinsic_delaunay(*make_cloud(testing::raw_cloud(points)), parameters, context);
+}
+
+TEST(IntrinsicDelaunayVariants, few_faces_are_dropped_where_noise_folds_the_surface_over) {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> jitter(-0.3, 0.3);
+    std::normal_distribution<double> noise(0, 1);
+    std::vector<Point3> sheet;
+    for (int i = 0; i < 80; ++i) {
+      for (int j = 0; j < 80; ++j) {
+        const double x = i + jitter(random);
+        const double y = j + jitter(random);
+        sheet.push_back({x, y, noise(random)});
+      }
+    }
+    const auto result = reconstruct(sheet, {});
+    ASSERT_TRUE(result);
+    testing::expect_oriented_manifold(result->mesh, "noisy sheet");
+    const auto& front = result->statistics.front;
+    EXPECT_LT(front.one_sided_faces, 0.015 * static_cast<double>(front.agreed_faces)) << seed;
+  }
 }
 
 TEST(IntrinsicDelaunayVariants, epsilon_bounds_how_far_a_face_reaches_from_the_edge_it_was_made_at) {
