@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -10,8 +9,8 @@
 
 #include "base/vectors.hpp"
 #include "baselines/baselines.hpp"
+#include "support/cancel_at.hpp"
 #include "support/nasty_clouds.hpp"
-#include "support/patience.hpp"
 #include "support/shapes.hpp"
 
 namespace surfaced {
@@ -347,18 +346,12 @@ TEST(CgalSurfaces, stop_within_a_second_of_being_cancelled_in_any_stage) {
   const PointCloud cloud = cloud_of(testing::random_torus(20'000, 3, 0.002));
   for (const auto& [name, make] : kMethods) {
     for (const double when : {0.0, 0.15, 0.4, 0.7}) {
-      std::atomic<bool> cancel = false;
-      double since = 0;  // of the processor: what else the machine does does not count
-      const auto sink = [&](double fraction, std::string_view) {
-        if (fraction < when || cancel) return;
-        since = testing::processor_seconds();
-        cancel = true;
-      };
-      Context context(1, sink, &cancel);
+      testing::CancelAt cancel(when);
+      Context context(1, cancel.sink(), cancel.flag());
       const auto mesh = make(cloud, context);
       if (mesh) continue;  // was faster than its progress said
       EXPECT_EQ(mesh.error().code, ErrorCode::cancelled) << name << ": " << mesh.error().detail;
-      EXPECT_LT(testing::processor_seconds() - since, 1) << name << " at " << when;
+      EXPECT_LT(cancel.seconds(), 1) << name << " at " << when;
     }
   }
 }

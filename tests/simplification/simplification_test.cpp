@@ -9,8 +9,8 @@
 
 #include "base/float32.hpp"
 #include "quality/quality.hpp"
+#include "support/cancel_at.hpp"
 #include "support/codes.hpp"
-#include "support/patience.hpp"
 #include "support/shapes.hpp"
 
 namespace surfaced {
@@ -199,17 +199,11 @@ TEST(Simplification, ends_within_a_second_of_being_cancelled_while_it_measures_t
   const TriangleMesh before = torus_mesh(200, 100);
   for (const unsigned threads : {1U, 2U}) {
     for (const double when : {0.605, 0.801}) {  // there and back
-      std::atomic<bool> cancel = false;
-      double since = 0;  // of the processor: what else the machine does does not count
-      const auto sink = [&](double fraction, std::string_view) {
-        if (fraction < when || cancel) return;
-        since = testing::processor_seconds();
-        cancel = true;
-      };
-      Context context(threads, sink, &cancel);
+      testing::CancelAt cancel(when);
+      Context context(threads, cancel.sink(), cancel.flag());
       context.enter("simplify", 1);
       EXPECT_EQ(code_of(simplified_to(before, 4000, context)), "cancelled") << when;
-      EXPECT_LT(testing::processor_seconds() - since, 1) << when;
+      EXPECT_LT(cancel.seconds(), 1) << when;
     }
   }
 }

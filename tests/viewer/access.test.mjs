@@ -2,20 +2,12 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { after, before, test } from 'node:test';
+import { test } from 'node:test';
 import { bumpySphere, glb } from './big_mesh.mjs';
-import { dropFile, knot, openPage, reconstruct, silhouette, startBrowser, startServer } from './support.mjs';
+import { browser, dropFile, knot, openPage, reconstruct, serveAndBrowse, server, silhouette } from './support.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-let server;
-let browser;
-before(async () => {
-  [server, browser] = await Promise.all([startServer(), startBrowser()]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+serveAndBrowse();
 
 async function findings(page) {
   await page.evaluate(axe);

@@ -3,6 +3,7 @@ import { spawn } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
+import { after, before } from 'node:test';
 import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
 
@@ -41,6 +42,19 @@ export function startBrowser(flags = ['--use-angle=swiftshader', '--enable-unsaf
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     timeout: patience,
     args: ['--no-sandbox', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-quic', '--no-first-run', ...flags],
+  });
+}
+
+export let server;
+export let browser;
+/** One server and one browser for all tests of a file. */
+export function serveAndBrowse() {
+  before(async () => {
+    [server, browser] = await Promise.all([startServer(), startBrowser()]);
+  });
+  after(async () => {
+    await browser?.close();
+    await server?.stop();
   });
 }
 

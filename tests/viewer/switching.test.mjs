@@ -1,17 +1,9 @@
 // Who cancels, or turns to something else, is heard at once; what was begun before does not come after it.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
-import { dropFile, knot, openPage, patience, ply, reconstruct, spherePoints, startBrowser, startServer } from './support.mjs';
+import { test } from 'node:test';
+import { browser, dropFile, knot, openPage, patience, ply, reconstruct, serveAndBrowse, server, spherePoints } from './support.mjs';
 
-let server;
-let browser;
-before(async () => {
-  [server, browser] = await Promise.all([startServer(), startBrowser()]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+serveAndBrowse();
 
 function signal() {
   const made = {};

@@ -1,18 +1,10 @@
 // The page at / as a newcomer uses it, in a real browser.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
-import { after, before, test } from 'node:test';
-import { dropFile, facts, knot, openPage, ply, reconstruct, silhouette, spherePoints, startBrowser, startServer } from './support.mjs';
+import { test } from 'node:test';
+import { browser, dropFile, facts, knot, openPage, ply, reconstruct, serveAndBrowse, server, silhouette, spherePoints } from './support.mjs';
 
-let server;
-let browser;
-before(async () => {
-  [server, browser] = await Promise.all([startServer(), startBrowser()]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+serveAndBrowse();
 
 const words = (page) => page.$$eval('.words li', (items) => items.map((item) => item.textContent));
 
