@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Everything that comes from Debian; the names of the packages stand in packages.txt.
 # What is missing ends the configuration with the package that brings it.
 function(surfaced_missing what package)

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
 # What the image takes from the build, as it lies in the image: collect.sh SOURCE BINARY OUT
 # Needs the packages of [build]; the list of those that are compiled in comes from packages.txt.
 set -eu

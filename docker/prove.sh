@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Builds docker/Dockerfile with buildah, which needs no Docker engine, and proves what docker/README.md says of the image.
 #   docker/prove.sh [--compile] [BINARY]
 # Without --compile the stage `build` is taken as done: BINARY (build/release/surfaced) stands in for what it compiles, and

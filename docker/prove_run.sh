@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
 # The half of prove.sh that runs in a network of its own: prove_run.sh PLACE, with root/, data/ and config in it.
 set -euo pipefail
 place=$1

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
 # A bill of materials (SPDX 2.3, JSON) and the licence texts, both from what dpkg knows.
 #   sbom.sh packages PACKAGE... > ROWS            rows of the given packages, as JSON without the brackets
 #   sbom.sh document VERSION ROWS-FILE > SPDX     all packages of this system, and those rows: compiled into the binary

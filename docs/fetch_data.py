@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Fetches public models by the manifest data.json: address, SHA-256, licence, credit.
 
 Models without a SHA-256 in the manifest are kept as they come, and their hash is told. Those in formats that surfaced does

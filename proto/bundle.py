@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writes the contract as one JSON file: openapi.yaml with the schemas of schema/ among its components.
 
 usage: bundle.py OUTPUT [OUTPUT_3_0]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writes files as a C++ source that holds their bytes.
 
 usage: embed.py OUTPUT.cpp NAME=FILE...

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Turns a point cloud into a mesh with a surfaced server: cpp-httplib and nlohmann-json.
 #include <httplib.h>
 

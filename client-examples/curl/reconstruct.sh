@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Turns a point cloud into a mesh with a surfaced server. Needs bash and curl 7.71 or newer.
 set -euo pipefail
 

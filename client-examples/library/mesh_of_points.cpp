@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Links the library: points made here, a mesh through them, its quality from the file that was written.
 //   mesh_of_points MESH.glb [METHOD]
 #include <cmath>

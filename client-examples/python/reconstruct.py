@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Turns a point cloud into a mesh with a surfaced server. Needs nothing but Python 3.9 or newer."""
 import argparse
 import http.client

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writes the shipped samples: generated shapes, so that they carry no licence but ours.
 
 knot.ply: 6,000 points on a tube around a trefoil knot, unevenly spread, with normals.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Turns a point cloud into a mesh with a surfaced server. Runs on Node 18 or newer; the types are those of the contract.
 //   npm ci && npm run build && node dist/reconstruct.js --help
 import { randomUUID } from 'node:crypto';

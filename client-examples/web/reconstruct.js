@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A surfaced server, for pages. EventSource cannot send a key, so events are read with fetch.
 const passing = [429, 502, 503, 504];
 const sleep = (seconds) => new Promise((resolve) => setTimeout(resolve, 1000 * seconds));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Arithmetic on points and vectors beyond what most rooms need.
 #pragma once
 

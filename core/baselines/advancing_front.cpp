@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: D. Cohen-Steiner, F. Da, "A greedy Delaunay-based surface reconstruction algorithm",
 // The Visual Computer 20 (2004), as implemented by CGAL's Advancing_front_surface_reconstruction.
 #include <CGAL/Advancing_front_surface_reconstruction.h>

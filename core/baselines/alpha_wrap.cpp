@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: C. Portaneri, M. Rouxel-Labbé, M. Hemmer, D. Cohen-Steiner, P. Alliez, "Alpha wrapping with an offset",
 // ACM Transactions on Graphics 41 (2022), as implemented by CGAL's alpha_wrap_3.
 #include <CGAL/Surface_mesh.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Methods taken from CGAL: for comparison, and for clouds that the papers' methods do not suit.
 #pragma once
 

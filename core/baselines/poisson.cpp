@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: M. Kazhdan, M. Bolitho, H. Hoppe, "Poisson surface reconstruction", SGP 2006, as implemented by CGAL's
 // Poisson_surface_reconstruction_3 on a Delaunay triangulation; meshed after J.-D. Boissonnat, S. Oudot, "Provably good
 // sampling and meshing of surfaces", Graphical Models 67 (2005).

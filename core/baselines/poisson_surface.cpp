@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "baselines/poisson_surface.hpp"
 
 // Without it the library prints a line to the standard error for every reconstruction; with it the divergence is that

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Private to the room: the surface of CGAL's Poisson_reconstruction_function, in a frame of the caller's.
 #pragma once
 

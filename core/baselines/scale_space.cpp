@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: J. Digne, J.-M. Morel, C.-M. Souzani, C. Lartigue, "Scale space meshing of raw data point sets", Computer
 // Graphics Forum 30 (2011); the smoothing operator as implemented by CGAL's Scale_space_reconstruction_3.
 #define CGAL_EIGEN3_ENABLED

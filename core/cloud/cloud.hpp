@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Point clouds: as read (RawCloud) and as every method works on them (PointCloud).
 #pragma once
 

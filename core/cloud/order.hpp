@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Private to the room: the canonical order of the points.
 #pragma once
 

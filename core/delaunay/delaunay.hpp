@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The 3-D Delaunay triangulation of a cloud as flat arrays in canonical order.
 #pragma once
 

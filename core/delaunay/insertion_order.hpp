@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The order in which points are inserted into a Delaunay triangulation.
 #pragma once
 

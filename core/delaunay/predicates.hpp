@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The two exact predicates of Delaunay triangulation: a filter in double here, CGAL's exact ones where it fails.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Incremental Delaunay triangulation (Bowyer 1981, Watson 1981) in flat arrays.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Pre-pass of paper 2's front: triangles that the local triangulations of all three vertices contain.
 #include "front/consensus.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The advancing front that papers 2 and 3 share: normals and local Delaunay stars of all points, the triangles on which
 // they agree, and the front that sews the rest; closing and repair of small holes.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Which faces may be added: the front's tests, in one place.
 #include <algorithm>
 #include <cmath>

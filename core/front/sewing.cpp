@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: paper 2 (Bíscaro 2010), algorithms 1 and 2. FindNewFace needs no triangulation: with nothing behind the edge,
 // the Delaunay triangle on it is the one of the largest angle.
 #include "front/sewing.hpp"

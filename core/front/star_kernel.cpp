@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: paper 2 (Bíscaro 2010), section 4; the star by inversion is the convex hull of q/D, where q is the
 // projected neighbour and D decides the construction.
 #include "front/star_kernel.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: W. Gong, Y.-J. Liu, K. Tang, T. Wu, "Approximate Delaunay mesh reconstruction and quality estimation from
 // point samples", J. Comput. Appl. Math. 274 (2015), §3.3; the rules are those of C. S. Chong, NUS 2008.
 #include "hole_filling/angle_front.hpp"

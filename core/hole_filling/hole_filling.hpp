@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Closing boundary loops of a mesh: small ones without new vertices, others by an advancing front whose points are
 // then fitted to the surface around.
 #pragma once

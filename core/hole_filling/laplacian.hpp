@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Private to the room: Laplacians of a patch and Dirichlet problems on it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: P. Liepa, "Filling holes in meshes", SGP 2003, as CGAL has it.
 #include "hole_filling/library_patch.hpp"
 

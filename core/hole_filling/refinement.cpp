@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: paper 3, §3.3, read with W. Zhao, S. Gao, H. Lin, "A robust hole-filling algorithm for triangular mesh", The
 // Visual Computer 23 (2007), whose recipe it resembles.
 #include "hole_filling/refinement.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: paper 3 (Gong et al. 2014), section 2: theorems 1 to 3 and corollary 1, with the premise that the corollary
 // leaves out, min edge >= epsilon / 2.
 #include "intrinsic_delaunay/certificate.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "intrinsic_delaunay/curvature.hpp"
 
 #define CGAL_EIGEN3_ENABLED

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: W. Gong, Y.-J. Liu, K. Tang, T. Wu, "Approximate Delaunay mesh reconstruction and quality estimation from
 // point samples", Journal of Computational and Applied Mathematics 274 (2015), section 3.1 and table 1.
 #include "intrinsic_delaunay/intrinsic_delaunay.hpp"

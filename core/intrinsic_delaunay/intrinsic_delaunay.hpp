@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Method `intrinsic-delaunay` (iDT, Gong et al. 2014): a front whose candidates lie in a capsule about the edge, then
 // flips towards the intrinsic Delaunay triangulation, whose triangles have bounded quality on dense samples.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Private to the room: nearest points of any place, where core/spatial knows only places that are points.
 #pragma once
 

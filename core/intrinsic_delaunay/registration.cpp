@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: paper 3, §3.2; P. J. Besl, N. D. McKay, "A method for registration of 3-D shapes", PAMI 14 (1992); W. Kabsch,
 // Acta Cryst. A32 (1976).
 #include "intrinsic_delaunay/registration.hpp"

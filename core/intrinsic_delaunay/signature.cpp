@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: paper 3, §3.2.
 #include "intrinsic_delaunay/signature.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Private to the room: what a patch of surface looks like, in eight numbers (paper 3, §3.2).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: paper 3, §3.2, with the repairs of docs/DECISIONS.md.
 #include "intrinsic_delaunay/upsampling.hpp"
 

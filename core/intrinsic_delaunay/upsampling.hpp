@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Upsampling around the method: part of the room's face, apart from it because it takes the method as a parameter.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Bytes of an input, from memory or streamed from a file, through one window.
 #pragma once
 

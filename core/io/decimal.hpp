@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers as the shortest decimal text that reads back as the same number.
 #pragma once
 

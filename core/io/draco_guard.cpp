@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/draco_guard.hpp"
 
 #include <draco/compression/config/compression_shared.h>

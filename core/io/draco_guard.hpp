@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Draco's decoders behind a guard: what a file declares is weighed against its size before Draco
 // allocates or loops for it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Coordinates as float32 around an origin.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The formats behind io.hpp: one reader and one writer each.
 #pragma once
 

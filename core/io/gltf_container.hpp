@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The outer form of glTF: JSON, buffers and what accessors point at in them.
 #pragma once
 

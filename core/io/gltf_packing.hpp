@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Packs the buffer of a glTF that is about to be written.
 #pragma once
 

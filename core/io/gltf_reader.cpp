@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Reads the triangles of a glTF scene. tinygltf is not used for this: it follows nested extras
 // recursively until the stack ends, reads files that a URI names, and refuses the normal form of
 // KHR_draco_mesh_compression (README.md).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Writes glTF and GLB. tinygltf serialises the model; the buffer and `asset.extras` are added here,
 // because it copies the buffer three times on the way and its values lose null, large integers and
 // the order of fields (README.md).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Clouds and meshes as files. Formats are told by content when reading, by extension when writing.
 #pragma once
 

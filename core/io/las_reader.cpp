@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // LAS 1.2 to 1.4 (ASPRS, "LAS specification 1.4 R15", 2019): positions and colours of point records 0 to 10.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // LZF, the compression inside binary_compressed PCD (Marc Lehmann, liblzf 3.6: the format is two kinds of run).
 #pragma once
 

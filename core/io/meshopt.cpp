@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: Khronos, EXT_meshopt_compression; packed and unpacked by meshoptimizer (A. Kapoulkine), whose decoders take
 // untrusted bytes as long as counts and strides are sound.
 #include "io/meshopt.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // EXT_meshopt_compression: what lies behind a bufferView, packed by meshoptimizer.
 #pragma once
 

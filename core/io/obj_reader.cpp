@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Wavefront OBJ: vertices with the colours that many programs add to them, normals, faces.
 #include <algorithm>
 #include <optional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Wavefront OBJ: coordinates as the shortest decimals that read back as the same doubles; colours behind the position,
 // as many programs read them.
 #include "io/decimal.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // PCD 0.5 to 0.7 (Point Cloud Library): ascii, binary, binary_compressed. Fields become the properties of a PLY
 // element, so that both formats share the way of vertices into a cloud.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The data of an ascii PLY: one row a line, values apart by blanks.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The header of a PLY file: what is declared, not yet believed.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/ply_vertices.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The rows of a PLY's element 'vertex' on their way into a cloud.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Where the coordinates of an STL of ours begin: float32 cannot hold georeferenced ones, and the header has room for
 // text.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // STL, binary and ascii: the vertices as a cloud, or the triangles joined where positions are equal.
 #include <algorithm>
 #include <bit>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Binary STL. Its float32 coordinates are relative to an origin where they would lose digits otherwise
 // (stl_origin.hpp).
 #include <algorithm>

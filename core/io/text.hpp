@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Text of an input as it may stand in a message.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Text inputs line by line, and lines as columns.
 #pragma once
 

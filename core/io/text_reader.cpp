@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Points as text: XYZ, CSV and its like with a header or without, PTS with its count.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // 3MF core specification 1.3 (3MF Consortium): one mesh object in one build item. Written here and not by lib3mf 1.8.1,
 // which writes six decimals and random identifiers (docs/DECISIONS.md); read as far as `measure` and the report need
 // it.

@@ -1,2 +1,3 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #define TINYGLTF_IMPLEMENTATION
 #include "io/tinygltf.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // tinygltf without images: every file that includes it must see the same classes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // ZIP archives (PKWARE APPNOTE 6.3) as far as 3MF needs them: deflated files, no encryption, below 4 GiB.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Source: H. H. Bíscaro, "Efficient reconstruction from scattered points", WSCG 2010.
 #include "local_delaunay/local_delaunay.hpp"
 

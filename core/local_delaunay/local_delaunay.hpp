@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Method `local-delaunay` (LDT, Bíscaro 2010): an advancing front over local Delaunay triangulations, without any
 // structure in space. For very large clouds; keeps openings.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "local_delaunay/seeding.hpp"
 
 #include <CGAL/Delaunay_triangulation_2.h>

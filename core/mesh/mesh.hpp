@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Triangle meshes as flat arrays, their half-edge view, and what their topology is.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Artifact boundaries and hull holes (§5.2, 5.3).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // How deeply the circumscribed balls of two neighbouring cells run into each other.
 #pragma once
 

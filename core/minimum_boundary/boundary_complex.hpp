@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The boundary complex BC_0 (§4.3, 4.4, Algorithm 1).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Bridging: joins components of the surface where one was asked for.
 #pragma once
 

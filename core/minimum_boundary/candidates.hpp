@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Several labellings made in different ways, each brought to a manifold; the best is kept.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Inside and outside by parity: clusters that the evidence sets against each other get opposite labels.
 #pragma once
 

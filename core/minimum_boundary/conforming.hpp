@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Orientable artifacts (§6.1): inflates selectively until the deflated parts of the hull conform.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // λ, the criterion that the paper minimises (§4.2, equation 1).
 #pragma once
 

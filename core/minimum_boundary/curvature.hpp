@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The paper's "curv": how much absolute mean curvature edge flips could still remove (§8, Table 1).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Final descent: exposes interior vertices and flips edges while that lowers Σλ.
 #pragma once
 

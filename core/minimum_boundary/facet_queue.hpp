@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The facets in the order of the paper, sorted only as far as they are asked for.
 #pragma once
 

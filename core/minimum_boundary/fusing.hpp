@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Fusing: takes from another labelling the regions in which it is better.
 #pragma once
 

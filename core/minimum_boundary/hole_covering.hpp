@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Hole covering (§5.4): sets of facets, "lids", that close the holes in the hull of BC.
 #pragma once
 

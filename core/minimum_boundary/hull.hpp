@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The hull of a set of facets (§5.2): what can be reached from outside without passing through it.
 #pragma once
 

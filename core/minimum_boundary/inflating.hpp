@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Inflating (§6.2, Algorithm 2): makes any labelling's surface manifold by taking cells in.
 #pragma once
 

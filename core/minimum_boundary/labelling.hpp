@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Inside and outside as a label per Delaunay cell; the surface is where they meet.
 #pragma once
 

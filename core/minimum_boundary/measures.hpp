@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What is counted on a labelling: topology and the paper's energy.
 #pragma once
 

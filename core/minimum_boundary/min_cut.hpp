@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Lids by a minimal cut: the cheapest set of facets that parts what is surely inside from infinity.
 #pragma once
 

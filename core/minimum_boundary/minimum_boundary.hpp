@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Method `minimum-boundary`: minimises edge length to connect sparsely sampled points
 // (Ohrhallinger, Mudur, Wimmer 2013). A closed manifold through or around every point, for any input.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Symmetric repair: makes bad vertices good by turning cells either way.
 #pragma once
 

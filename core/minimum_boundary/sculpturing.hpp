@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Sculpturing from in- and outside (§5.5, Figure 10) with the rule against local minima (§6.3).
 #pragma once
 

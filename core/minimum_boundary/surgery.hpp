@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Surgery on 3-loops: removes handles one triangle thin.
 #pragma once
 

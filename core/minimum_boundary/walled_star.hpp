@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The star and the edges of a vertex, cut apart by walls: the facets of a set and those between IN and OUT.
 #pragma once
 

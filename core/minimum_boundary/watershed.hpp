@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Lids by a guarded watershed over the balls of the cells: which cells lie on the same side of the surface.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Hierarchical: M. Pauly, M. Gross, L. Kobbelt, "Efficient simplification of point-sampled surfaces", IEEE
 // Visualization 2002, by CGAL's hierarchy_simplify_point_set. WLOP: H. Huang, D. Li, H. Zhang, U. Ascher, D. Cohen-Or,
 // "Consolidation of unorganized point clouds for surface reconstruction", ACM Transactions on Graphics 28 (2009), by

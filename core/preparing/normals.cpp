@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Estimation by CGAL's pca_estimate_normals and jet_estimate_normals. Orientation after H. Hoppe, T. DeRose, T.
 // Duchamp, J. McDonald, W. Stuetzle, "Surface reconstruction from unorganized points", SIGGRAPH 1992: along a minimum
 // spanning forest of the neighbours, cheap where normals agree. By hand, because CGAL's mst_orient_normals orients one

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The criterion of CGAL's remove_outliers (mean distance to the nearest points), with a limit relative to the median,
 // so that nobody has to know how many outliers there are.
 #include "preparing/neighbourhood.hpp"

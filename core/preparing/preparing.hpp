@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Stages before a method: outliers, sampling, smoothing, normals. Each takes a cloud and gives a cloud. And what
 // methods ask of any cloud: its spacing, a frame for computing, nearest points.
 #pragma once

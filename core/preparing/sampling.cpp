@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Down-sampling to one point a cell of a grid. Not by CGAL, which keeps the first point of a cell and so depends on
 // their order.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Jets: projection of every point onto the quadric that fits its neighbours, by CGAL's jet_smooth_point_set. Bilateral:
 // H. Huang, S. Wu, M. Gong, D. Cohen-Or, U. Ascher, H. Zhang, "Edge-aware point set resampling", ACM Transactions on
 // Graphics 32 (2013), section 4, by CGAL's bilateral_smooth_point_set.

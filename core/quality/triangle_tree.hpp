@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The tree of CGAL in which the rays and distances of this room are looked up.
 #pragma once
 

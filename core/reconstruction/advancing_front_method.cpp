@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "baselines/baselines.hpp"
 #include "reconstruction/hole_stage.hpp"
 #include "reconstruction/methods.hpp"

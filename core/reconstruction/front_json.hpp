@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Private to the room: what the methods that grow a front have in common on the façade.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "intrinsic_delaunay/intrinsic_delaunay.hpp"
 
 #include "reconstruction/front_json.hpp"

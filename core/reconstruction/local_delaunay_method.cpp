@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "local_delaunay/local_delaunay.hpp"
 #include "reconstruction/front_json.hpp"
 #include "reconstruction/hole_stage.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Private to the room: which methods there are. Alone, so that a program can bring a table of its own.
 #pragma once
 

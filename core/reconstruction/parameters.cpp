@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Parameters against their JSON Schema. The schemas use the keywords type (number, integer, string,
 // boolean), enum, const, oneOf, minimum, exclusiveMinimum and maximum, and nothing else.
 #include <charconv>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The way of a cloud: read -> method -> encode -> decode and measure -> write.
 #include <algorithm>
 #include <cmath>

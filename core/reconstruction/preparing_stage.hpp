@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Private to the room: the stages before and after a method that any method takes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Private to the room: where a result comes from and what it cost.
 #pragma once
 

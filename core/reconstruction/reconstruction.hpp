@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The façade: which methods there are, what parameters they take, and the way of a cloud through one
 // of them to a mesh and its report. Everything outside core/ comes in through here (and io, base).
 #pragma once

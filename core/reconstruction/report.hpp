@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Private to the room: measurements as the JSON of proto/schema/report.json.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Sources: M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997; P. Lindstrom,
 // G. Turk (1998) for the framework of collapses; both as implemented by CGAL's Surface_mesh_simplification.
 #include "simplification/collapse.hpp"

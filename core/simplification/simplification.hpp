@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Fewer triangles for an oriented manifold, with the distance this costs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Nearest neighbours of the points of a cloud, by runs of its own order: no tree of points is built.
 #pragma once
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Makes every figure of the documentation from generated shapes: make.py OUT --build build/release [FIGURE ...]
 
 `./dev figures` builds what it needs and runs it. All random numbers have fixed seeds; the renderer is tests/figures/draw.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Makes the figures of docs/methods/minimum-boundary.md from generated shapes.
 
     docs/figures/minimum_boundary.py OUT_DIR --surfaced build/release/surfaced \\

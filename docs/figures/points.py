@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writes the points of paper 3's table 2 and figures 3 and 4 as PLY: points.py FOLDER"""
 import math
 import pathlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Clouds of the figures and tables of docs/methods/local-delaunay.md.
 
 python3 docs/figures/shapes.py paraboloid|bitorus|bumpy|torus POINTS OUT.ply

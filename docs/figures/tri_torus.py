@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Clouds for the figures of docs/methods: points on a smooth surface of genus 3, three tori in a row.
 
     docs/figures/tri_torus.py POINTS OUT.ply [X Y Z R]      without the points within R of (X, Y, Z)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // API keys. A key is `sfd_ID_SECRET`; the file has, by id, the SHA-256 of the secret and what the key permits. The
 // secret has 256 random bits, so a plain hash cannot be turned back by guessing, and needs no salt and no delay.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // OGC API - Processes, Part 1: Core (OGC 18-062r2) as JSON. The methods are its processes, and the jobs are the jobs
 // of /v1/jobs, seen through another door.
 #pragma once

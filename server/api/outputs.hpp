@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The outputs that a job can have: their names, media types, and what else clients call those.
 #pragma once
 

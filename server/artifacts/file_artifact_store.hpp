@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Artifacts as files under one directory:
 //
 //   DIR/uploads/RANDOM          a cloud on its way in

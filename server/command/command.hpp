@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The commands of the binary. Each adds itself to the command line; `run` is set to what shall be
 // done once the line has been understood.
 #pragma once

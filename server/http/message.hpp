@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Requests and responses as the handlers see them. Nothing here knows the library that speaks HTTP.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A job and its states.
 //
 //   submit --> accepted --claim--> running --finish--> successful

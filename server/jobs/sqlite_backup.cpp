@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "jobs/sqlite_backup.hpp"
 
 #include "jobs/sqlite/database.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Uploads that may break off and go on later. Each is two files under one directory:
 //
 //   DIR/ID.bytes   what has arrived; beyond `offset` it does not count

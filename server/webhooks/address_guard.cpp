@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "webhooks/address_guard.hpp"
 
 #include <arpa/inet.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "webhooks/sender.hpp"
 
 #include <curl/curl.h>

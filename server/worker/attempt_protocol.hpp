@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the server and the child of an attempt say to each other: the server gives one JSON object on
 // the command line, the child answers with JSON lines on descriptor 3. The server believes nothing
 // that comes back: lines are capped, unknown ones dropped.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // docs/adding-a-method.md, followed: the page's listing with a table of methods that has it.
 #include <gmock/gmock.h>
 

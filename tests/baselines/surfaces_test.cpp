@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // scale-space, poisson and alpha-wrap: what holds for every result.
 #include <gtest/gtest.h>
 

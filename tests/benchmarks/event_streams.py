@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Follows one long job with many event streams and says what pace submissions keep beside them.
 
 usage: event_streams.py SURFACED [STREAMS [SUBMISSIONS]]      defaults: 1000 300

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Cost per added point: filling a hole, and upsampling. The rate `added` is points per second.
 #include <benchmark/benchmark.h>
 

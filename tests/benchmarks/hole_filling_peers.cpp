@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Not timed by a framework: what our dynamic programme and CGAL's hole filling make of the rims that the front of
 // local-delaunay leaves on clouds (docs/DECISIONS.md).
 //   build/release/hole_filling_peers CLOUD...

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // intrinsic-delaunay, from points in memory to a mesh in memory, and its certificate, beside CGAL's Delaunay
 // triangulation: on scans and evenly sampled surfaces.
 //   ./dev bench intrinsic_delaunay

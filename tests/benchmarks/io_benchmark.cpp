@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Readers and writers on files of 1 and 10 million points, beside their peers.
 //   ./dev bench io
 #include <benchmark/benchmark.h>

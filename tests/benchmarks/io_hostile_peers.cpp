@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A table of what our PLY reader and its peers make of damaged files: each in a child process with 4 GiB
 // of memory and 10 seconds.
 //   build/release/io_hostile_peers

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "benchmarks/io_peers.hpp"
 
 #include <CGAL/IO/read_ply_points.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // PLY readers that could stand where ours does.
 #pragma once
 

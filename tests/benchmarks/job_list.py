@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """job_list.py SURFACED [JOBS]: what a page of jobs costs beside many others, by filter, and the look at a key's quota."""
 import hashlib
 import http.client

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "benchmarks/method_benchmarks.hpp"
 
 #include <CGAL/Delaunay_triangulation_3.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the benchmarks of the methods that grow a front share: clouds, counters, and the unit, a Delaunay triangulation.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // minimum-boundary, from points in memory to a mesh in memory, beside CGAL's Delaunay triangulation, which is the unit
 // of its speed, and CGAL's advancing front: on scans of ../shared/data (where present), random points of a bumpy torus,
 // which stands for free-form surfaces, and of an exact torus, the worst case: many points lie on common spheres.

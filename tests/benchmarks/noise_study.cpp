@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The tables of docs/noise.md: how far from the truth each method ends on noisy shapes, with and without preparing.
 //   build/release/noise_study [POINTS]
 #include <algorithm>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Starts a server and measures it under load, with everything durable: tiny jobs a second, the server's memory while a
 large cloud is uploaded, and what the service adds to the command. Each figure stands beside its limit.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Sends many tiny jobs to a running server and says how many it takes and ends in a second.
 
 usage: small_jobs.py [PORT [JOBS [CONNECTIONS]]]      defaults: 8080 500 4

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Every client example does its whole work against a real server, behind a proxy that is busy at first, loses an answer
 // and breaks off event streams.
 import assert from 'node:assert/strict';

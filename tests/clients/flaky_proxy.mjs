@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A proxy that is no better than real networks: the first submission is answered 503, the second one reaches the server
 // but its answer gets lost, and the first event stream breaks off after its first event.
 import http from 'node:http';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The web example in a real browser: a page of another origin uploads a cloud and shows the mesh.
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync } from 'node:fs';

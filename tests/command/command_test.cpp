@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The command as a user meets it: exit codes, problems on stderr, and what bad input costs.
 #include <fcntl.h>
 #include <gmock/gmock.h>

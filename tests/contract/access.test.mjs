@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Keys: who may do what, whose is what, how often; and pages of other origins.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Every kind of wrong request: its status, its code, and in pieces the field, the value and what is allowed.
 import assert from 'node:assert/strict';
 import { createHash } from 'node:crypto';

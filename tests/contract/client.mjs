@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A server of one's own with a client that checks every answer against the contract.
 import { readFileSync } from 'node:fs';
 import path from 'node:path';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Clouds, the forms of a submission, repeated submissions, pages, formats.
 import assert from 'node:assert/strict';
 import { createHash } from 'node:crypto';

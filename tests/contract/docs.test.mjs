@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The contract lints clean, and the commands of docs/service.md do what the page says.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';

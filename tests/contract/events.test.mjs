@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Server-Sent Events: complete, and resumed without loss or repetition.
 import assert from 'node:assert/strict';
 import net from 'node:net';

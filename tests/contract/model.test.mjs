@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Random sequences of calls, valid and not, against a model of what jobs may do. No answer is ever a 500, and every
 // answer is one that the contract knows. The same calls
 // each time, so that a change is judged by what it does; SURFACED_SEED makes others, SURFACED_STEPS more.

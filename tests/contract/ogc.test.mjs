@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // OGC API - Processes: the same jobs through the second door.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';

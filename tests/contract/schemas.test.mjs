@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The contract itself: schemas compile, examples and error codes obey them.
 import assert from 'node:assert/strict';
 import { readdirSync } from 'node:fs';

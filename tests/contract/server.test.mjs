@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Every answer of a running server against the contract that it serves.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';

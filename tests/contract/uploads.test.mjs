@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // tus 1.0: by the letter, and with tus-js-client through a connection that breaks.
 import assert from 'node:assert/strict';
 import { createHash } from 'node:crypto';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Webhooks: signed, told until somebody listens, never to private addresses unless the operator says so.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';

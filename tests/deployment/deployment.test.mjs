@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The image and the manifests by their schemas, and by what we promise of them.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';

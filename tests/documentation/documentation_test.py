@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the documentation says holds: its links lead somewhere, its words are spelt, its commands run."""
 import hashlib
 import json

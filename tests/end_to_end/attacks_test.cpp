@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What strangers do to a service on the network: the right status, little memory, and others are served meanwhile.
 #include <gmock/gmock.h>
 #include <sys/resource.h>

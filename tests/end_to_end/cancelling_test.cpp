@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Cancelling really stops the work, in every method and whatever it is at.
 #include <gmock/gmock.h>
 

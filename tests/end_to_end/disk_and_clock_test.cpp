@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The store locked, the disk full, the clock wrong.
 #include <gmock/gmock.h>
 #include <sqlite3.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The service under real faults: kill -9 of the server (and its workers, which are its threads) and of its children
 // at random moments while jobs flow.
 #include <gmock/gmock.h>

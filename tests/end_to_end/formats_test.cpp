@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Every format out, through the command and through HTTP: the same bytes, and what became of the coordinates.
 #include <gmock/gmock.h>
 

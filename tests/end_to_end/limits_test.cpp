@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What one client may take: its rates, its streams. Loopback has no such limits, so these clients come through a
 // trusted proxy from elsewhere.
 #include <gmock/gmock.h>

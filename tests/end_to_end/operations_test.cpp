@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What an operator does: configure, watch, stop, back up, restore.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What was acknowledged survives the death of the server.
 #include <gtest/gtest.h>
 

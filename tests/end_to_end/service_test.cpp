@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The real daemon over HTTP: clouds in, meshes out, wrong input refused, work cancelled.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Preloaded into a server: the time of day is off by the seconds that a file holds, which a test changes while the
 // server runs. Every other clock goes as it went.
 #include <fcntl.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Drives a server by everything at once: jobs from raw clouds, forms and stored clouds, event streams that break off and
 resume, long polls, other formats, ranges, cancels, retries, removals, uploads, probes, clients that vanish; with --tls over
 TLS while the certificate is read again. Then stops it while streams are open. Every answer has to be one that is allowed,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A software rasteriser of its own for the figures of the documentation: no graphics card, no window, no library but
 // zlib.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Draws a mesh or a cloud as PNG: draw FILE OUT.png [--size N] [--view AZIMUTH,ELEVATION] [--up y|z] [--wire]
 // Grey outside, orange inside; magenta borders, green edges with more than two triangles. Degrees; 0,0 looks along -x.
 #include <algorithm>

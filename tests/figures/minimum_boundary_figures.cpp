@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Meshes for docs/methods/minimum-boundary.md that no parameter of the method gives: Figure 4 of the paper, the
 // boundary complex by other criteria than the longest edge; Figure 11, sculpturing from the convex hull and from the
 // hull of the boundary complex. Usage: minimum_boundary_figures CLOUD CRITERION|hull-start|bc-start MESH.ply

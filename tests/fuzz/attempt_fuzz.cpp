@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What a child writes to its pipe, and what the command line of an attempt may hold: JSON by whoever.
 #include <cstddef>
 #include <cstdint>

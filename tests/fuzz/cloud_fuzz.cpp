@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Clouds and meshes of the formats of other programs, one target a format (their seeds differ): read from memory and
 // streamed from a file, which must agree.
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the doors read besides clouds: forms, queries, the headers of tus, Accept, ids of events, conditions.
 #include <array>
 #include <string_view>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Draco clouds and meshes. Debian's library itself is not instrumented, only malloc, memcpy and what
 // its headers bring into our code.
 #include "fuzz/fuzz_input.hpp"

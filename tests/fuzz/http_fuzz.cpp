@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The way of a request's bytes to a handler: head, path, query, Range, chunks. Whatever is accepted must keep to what
 // request_head.hpp and chunk_guard.hpp promise.
 #include <cstddef>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What a request asks for: JSON of submissions and executions, and the queries of lists.
 #include "api/intake.hpp"
 #include "api/ogc_json.hpp"

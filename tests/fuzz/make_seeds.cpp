@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Writes the seeds of the fuzz targets: one small file for every way a reader can take.
 //   build/fuzz/make_seeds tests/fuzz/seeds
 #include <iostream>

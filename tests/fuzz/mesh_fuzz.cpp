@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Meshes of every format; what was read must survive being written and read again.
 #include <array>
 #include <cmath>

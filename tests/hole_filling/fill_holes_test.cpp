@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Filling holes: what stays, what is manifold, how near the removed surface the patch comes.
 #include <gtest/gtest.h>
 

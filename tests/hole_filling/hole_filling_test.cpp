@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "hole_filling/hole_filling.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The equations behind the refinement of a patch.
 #include "hole_filling/laplacian.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What is put into a hole is a disc with that hole's rim, whatever the hole looks like.
 #include "hole_filling/patch.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Where the points of a patch go, by the Laplacian that normals and membranes are harmonic for.
 #include "hole_filling/refinement.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "intrinsic_delaunay/flips.hpp"
 
 #include <CGAL/Triangulation_2.h>

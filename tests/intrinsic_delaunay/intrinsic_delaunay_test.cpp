@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What intrinsic-delaunay promises: the claims of every front, for all its variants, and its own parameters.
 #include "intrinsic_delaunay/intrinsic_delaunay.hpp"
 

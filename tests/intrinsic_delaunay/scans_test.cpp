@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The clouds of the issue: closed where the reference is, of the right genus, next to no point unused, and triangles as
 // good as those of CGAL's advancing front.
 #include <gtest/gtest.h>

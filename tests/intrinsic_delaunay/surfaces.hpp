@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The surfaces of paper 3's tables and figures.
 #pragma once
 

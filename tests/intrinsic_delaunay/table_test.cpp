@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Paper 3, table 2 and figure 3: reconstructed from the points alone.
 #include <gtest/gtest.h>
 

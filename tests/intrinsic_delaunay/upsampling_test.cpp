@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Upsampling: where new points go, how near they come to the surface, that it ends.
 #include "intrinsic_delaunay/upsampling.hpp"
 

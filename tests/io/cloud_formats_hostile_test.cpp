@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Damaged and lying files of the formats of other programs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

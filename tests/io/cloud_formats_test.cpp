@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Clouds in the formats of other programs, as they are meant to be read.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // glTF packed by KHR_draco_mesh_compression and EXT_meshopt_compression: written, read again, damaged.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Files with random headers, read here and by a parser that is as simple as can be.
 #include <gtest/gtest.h>
 

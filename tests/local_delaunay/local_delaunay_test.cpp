@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What local-delaunay promises: the claims of every front, for all its variants, and its own parameters.
 #include "local_delaunay/local_delaunay.hpp"
 

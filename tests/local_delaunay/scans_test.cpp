@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The clouds of the issue: closed, of the right genus, next to no point unused.
 #include <gtest/gtest.h>
 

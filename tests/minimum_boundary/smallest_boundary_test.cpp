@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The paper's conjecture (§8) that the method finds B_min, on clouds so small that all labellings can be tried.
 #include <gtest/gtest.h>
 

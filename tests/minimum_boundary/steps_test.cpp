@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Each step against its slow definition.
 #include <gtest/gtest.h>
 

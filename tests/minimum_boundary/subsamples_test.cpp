@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Random parts of the shared clouds: how sparse may the points be?
 #include <gtest/gtest.h>
 

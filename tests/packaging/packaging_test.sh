@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
 # packaging_test.sh SOURCE BUILD. Each function is a claim.
 set -euo pipefail
 source=$1 build=$2

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The guarantee, attacked: whatever the input, as long as it is not flat.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What happens to a mesh behind the method: simplifying, colours, packing, walls; through the façade.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

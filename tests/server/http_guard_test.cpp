@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The attacks of which cpp-httplib 0.11.4 dies, on the server as it stands behind the guard.
 #include <gmock/gmock.h>
 #include <sys/resource.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Takes the place of `surfaced attempt` in tests and behaves as the job's parameter "behave" says.
 #include <fcntl.h>
 #include <sys/mman.h>

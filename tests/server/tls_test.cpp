@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // TLS inside the server's own streams: the handshake, and every guard behind it.
 #include "http/tls.hpp"
 

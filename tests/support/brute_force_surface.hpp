@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Slow, plain checks of a closed surface that share no code with the methods: maps, solid angles and
 // CGAL's exact predicates.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Cancelling in the middle of a computation, and how long it goes on then.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Draco files of every kind that Draco writes, made by Draco.
 #pragma once
 

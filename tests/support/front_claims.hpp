@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What every method that grows a front promises, as one set of tests. A method gives them
 //   using Parameters
 //   static std::vector<Parameters> variants()                          the default first

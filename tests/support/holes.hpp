@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Meshes with holes cut into them, and slow plain checks of what was put there.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Claims about damaged and lying files, whatever their format.
 #pragma once
 

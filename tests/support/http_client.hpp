@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A client that can be as rude as a test needs: bytes out, bytes in.
 #pragma once
 

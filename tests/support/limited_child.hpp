@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Runs work in a child process and tells what it took: for claims about bad input.
 #pragma once
 

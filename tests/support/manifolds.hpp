@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the methods that grow a front promise of every mesh.
 #pragma once
 

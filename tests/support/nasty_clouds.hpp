@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Small random and degenerate clouds, numbered, so that a failing one can be named and made again.
 #pragma once
 

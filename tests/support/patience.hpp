@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Waiting and measuring, so that a machine which is slow, or busy with another test, fails none.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Points in a tilted plane and their 2-D Delaunay triangulation by CGAL.
 #pragma once
 

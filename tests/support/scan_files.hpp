@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Clouds in the formats of scanners and other programs, made by hand.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The clouds of ../shared/data, which need not be there.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A client inside TLS that can be as rude as the plain one, and certificates made on the spot.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A smooth surface of genus 3: three tori in a row, blended where they meet.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // For everybody: checked by axe, without a mouse, on a telephone, in the dark; and fast enough without a graphics card.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A sphere with bumps as GLB, of any size, without a reconstruction.
 export function bumpySphere(rows) {
   const columns = 2 * rows;

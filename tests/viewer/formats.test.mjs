@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the page shows of a file before the server has it, against what the server says of the same bytes.
 import assert from 'node:assert/strict';
 import { readFileSync, readdirSync } from 'node:fs';

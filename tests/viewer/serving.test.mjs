@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // How the daemon serves the page: no browser needed.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';

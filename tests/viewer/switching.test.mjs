@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Who cancels, or turns to something else, is heard at once; what was begun before does not come after it.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Bad input and bad luck: each shows what happened, in the words of the server, and what to do.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The page at / as a newcomer uses it, in a real browser.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';

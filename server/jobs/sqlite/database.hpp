@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // SQLite with ownership: a connection, its prepared statements, and transactions that roll back when
 // they are not committed. Inside this folder failures are thrown as SqliteError; the store turns them
 // into values at its wall.

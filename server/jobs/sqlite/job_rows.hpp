@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the store does with its tables, a function per step; each runs inside a transaction of the
 // caller and throws SqliteError.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the store looks up and notes around jobs: pages of them, submissions that come again, outputs that are made
 // later. Each function runs inside a transaction of the caller and throws SqliteError.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Builds the viewer: types from the contract, type check, bundle, licences; then packs everything into assets.bin, which
 // assets.cpp puts into the binary.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The page /licenses: NOTICE, and the licence texts of all that is in the binary or that it is linked with, as they lie in
 // node_modules and in Debian's /usr/share/doc.
 import { existsSync, readFileSync, readdirSync } from 'node:fs';

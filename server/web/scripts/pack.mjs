@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Writes files, as they are and gzipped, one behind the other into assets.bin, and assets.cpp with where each is.
 import { createHash } from 'node:crypto';
 import { writeFileSync } from 'node:fs';

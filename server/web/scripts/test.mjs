@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Bundles the tests of a folder, which are TypeScript, and runs them under Node.
 //
 // usage: test.mjs FOLDER OUTPUT

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 import { ApiError, Api } from './api/client';
 import { Session } from './app/session';
 import type { State } from './app/state';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 declare const __VERSION__: string;
 declare const __SOURCE_URL__: string;
 

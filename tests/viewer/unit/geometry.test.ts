@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The measuring parts of the viewer.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

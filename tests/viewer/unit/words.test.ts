@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Words, numbers, commands, streams.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Calls of the API. Everything that goes wrong becomes an ApiError with the words of the server, or of the network.
 import type { Cloud, Job, Method, Problem, Report, Sample, Submission } from './types';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Follows a job by its Server-Sent Events. EventSource cannot send a key, so the stream is read with fetch.
 import { ApiError, type Api } from './client';
 import type { Job, Problem } from './types';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The shapes of the API, from the contract.
 import type { components } from '../../generated/contract';
 

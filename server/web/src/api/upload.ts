@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Sends a cloud with tus: what has arrived counts, also when the connection is lost or the page is closed meanwhile.
 import { DetailedError, Upload } from 'tus-js-client';
 import { ApiError, unreachable, type Api } from './client';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The latest clouds, kept by this browser under the id that the server gave them, so that the link of a job shows its points
 // again. Where the browser does not permit it, nothing is kept, and nothing else changes.
 const kDatabase = 'surfaced';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the page does: choose a cloud, run methods on it, open and compare jobs. Panels call it and are told of changes.
 import { ApiError, unreachable, type Api } from '../api/client';
 import { followJob, pause } from '../api/follow';

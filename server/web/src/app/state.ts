@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the page knows. One object, changed by Session alone; whoever shows something of it is told of every change.
 import type { ApiError } from '../api/client';
 import type { Job, Method, Report, Sample } from '../api/types';

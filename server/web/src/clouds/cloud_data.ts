@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 /** Points as the viewer draws them. */
 export interface CloudData {
   /** xyz of each point, less the origin. */

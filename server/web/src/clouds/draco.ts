@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Draco, by three.js's own decoder, served beside the page. The wrapper's types are those of emscripten: declared here.
 import createDecoder from 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js';
 import decoderUrl from 'three/examples/jsm/libs/draco/draco_decoder.wasm?url';

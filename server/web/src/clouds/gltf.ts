@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Positions and triangles of glTF and GLB. three's GLTFLoader is not used: it also builds materials and textures, and its
 // Draco loader starts workers from blobs, which the page's policy forbids.
 import { Matrix4, Quaternion, Vector3 } from 'three';

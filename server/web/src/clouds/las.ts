@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Positions of a LAS (1.0 to 1.4): integers, scaled and moved as the header says. LAZ is left to the server.
 import { UnreadableCloud } from './cloud_data';
 

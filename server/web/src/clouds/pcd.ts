@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Positions of a PCD: ascii, binary, binary_compressed.
 import { UnreadableCloud } from './cloud_data';
 

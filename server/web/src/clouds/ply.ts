@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Positions of a PLY: ascii and binary, every scalar type, any order of properties and elements.
 import { UnreadableCloud } from './cloud_data';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Points of a file, told by its content as the server does. What cannot be read here is for the server to judge.
 import { toCloudData, UnreadableCloud, type CloudData } from './cloud_data';
 import { decodeDraco } from './draco';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Corners of the triangles of an STL, ascii or binary.
 import { UnreadableCloud } from './cloud_data';
 

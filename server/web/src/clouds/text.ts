@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Positions of text: XYZ, CSV, PTS. The first three numbers of a line are the point, unless a header names the columns.
 import { UnreadableCloud } from './cloud_data';
 

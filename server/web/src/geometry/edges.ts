@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Edges by how many triangles they have. Each comes as two vertices.
 import type { MeshData } from './mesh_data';
 

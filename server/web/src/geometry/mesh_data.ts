@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 /** A mesh as the viewer works with it. */
 export interface MeshData {
   /** xyz of each vertex, less the origin. */

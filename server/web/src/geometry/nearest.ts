@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The nearest of many points: a balanced k-d tree in one array, the middle of each part being its node.
 
 export class NearestPoints {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Shapes of triangles: the papers' l/R (shortest edge over circumradius, 0 to √3), r/L (inradius over longest edge, 0 to
 // √3/6) and the smallest angle in degrees. A triangle without area has 0 of each.
 import type { MeshData } from './mesh_data';

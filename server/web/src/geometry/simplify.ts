@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A coarse stand-in to draw while the camera moves: vertices of a cell of a grid become one, triangles that lose a corner go.
 import type { MeshData } from './mesh_data';
 

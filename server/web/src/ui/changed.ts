@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Spares the page what has not changed: a button that is made anew loses the focus, a mesh is long on its way to the card.
 import type { State } from '../app/state';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The first step: which cloud.
 import type { Session } from '../app/session';
 import type { ChosenCloud, State } from '../app/state';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Two results in one table.
 import type { Report } from '../api/types';
 import type { Result, State } from '../app/state';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Elements of the page, made without a template language.
 type Child = Node | string | null | undefined | false;
 type Properties = Record<string, unknown>;

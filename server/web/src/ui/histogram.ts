@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A distribution as bars; of two results as bars and a line. The bounds of the papers are drawn in.
 import type { Distribution } from '../api/types';
 import { real } from '../words/numbers';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The jobs that the server knows, newest first: open one, put one beside, try a failed one again.
 import { isEnded, type Job } from '../api/types';
 import type { Session } from '../app/session';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The second step: which method, with which parameters; and the button that begins.
 import type { Session } from '../app/session';
 import type { Side, State } from '../app/state';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What lies over the canvas: the invitation, the names of the panes, the scale of the colours.
 import type { Session } from '../app/session';
 import type { State } from '../app/state';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What became of the cloud: in words, in numbers, its worst triangles, its files, and how to come back to it.
 import type { Session } from '../app/session';
 import type { Result, State } from '../app/state';

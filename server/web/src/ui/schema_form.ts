@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A form made of the JSON Schema of a method's parameters. Only what differs from its default is sent.
 import type { Method, ParameterSchema } from '../api/types';
 import { h } from './dom';

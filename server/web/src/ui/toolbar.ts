@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // How the result is looked at.
 import type { Session } from '../app/session';
 import type { ColourBy, State } from '../app/state';

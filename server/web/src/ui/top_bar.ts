@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Name, links, key, theme.
 import type { Session } from '../app/session';
 import { fill, h } from './dom';

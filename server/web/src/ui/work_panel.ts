@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // How the present work goes, with its end in the user's hand; and what went wrong.
 import type { ApiError } from '../api/client';
 import type { Session } from '../app/session';

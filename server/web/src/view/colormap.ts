@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Colour scales. Both are monotone in lightness, so they survive print and colour blindness.
 export type Rgb = [number, number, number];
 

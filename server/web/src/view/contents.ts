@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the panes show, out of what the page knows.
 import type { State } from '../app/state';
 import { kLargest } from '../geometry/quality';

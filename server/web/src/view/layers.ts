@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The objects of one pane: a cloud, a mesh over it, and what is marked on them.
 import { BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Points, type LineBasicMaterial, type Object3D, type Plane } from 'three';
 import type { LoadedCloud, LoadedMesh, UnusedPoints } from '../worker/protocol';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // How surfaces, points and lines look.
 import { Color, DoubleSide, FrontSide, LineBasicMaterial, MeshLambertMaterial, PointsMaterial, type ColorRepresentation, type Plane } from 'three';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The command that repeats what the page has just done.
 const quoted = (text: string): string => `'${text.replaceAll("'", "'\\''")}'`;
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers as people read them.
 const whole = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The report of a reconstruction in sentences.
 import type { Report } from '../api/types';
 import { bytes, count, countOf, real, seconds } from './numbers';

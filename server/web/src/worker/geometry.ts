@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The worker, as the page calls it.
 import type { Answer, GeometryCalls, Question } from './protocol';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Everything that takes long: reading files, measuring, comparing.
 import type { CloudData } from '../clouds/cloud_data';
 import { openGlb, readPrimitive } from '../clouds/gltf';

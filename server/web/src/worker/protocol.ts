@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the page asks of its worker. Meshes and clouds stay in the worker under a number; what is drawn is copied out.
 import type { CloudData } from '../clouds/cloud_data';
 import type { Edges } from '../geometry/edges';
