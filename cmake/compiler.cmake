@@ -42,6 +42,6 @@ endif()
 add_library(surfaced_warnings INTERFACE)
 target_compile_options(surfaced_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
-  -Wnon-virtual-dtor -Woverloaded-virtual -Werror
+  -Wnon-virtual-dtor -Woverloaded-virtual $<$<BOOL:${SURFACED_WERROR}>:-Werror>
   # GCC 12 sees an overlap in every "literal" + string (its bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
