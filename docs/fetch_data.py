@@ -1,17 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fetches public models by the manifest data.json: address, SHA-256, licence, credit.
+"""Fetches the public models that the tests look for, by the manifest data.json: address, SHA-256, licence, credit.
 
-Models without a SHA-256 in the manifest are kept as they come, and their hash is told. Those in formats that surfaced does
-not read as clouds (OFF) are written as text of points.
+What is fetched and what is made of it are pinned by hash; a file that is there already, as it should be, is not fetched
+again. Clouds come as PLY, binary, float32, in the order of their source; where that is a mesh, it is reference/NAME.ply.
 """
 import argparse
 import hashlib
 import json
+import shutil
+import subprocess
 import sys
+import tempfile
 import urllib.error
 import urllib.request
 from pathlib import Path
+
+import model_files
 
 MOST = 1 << 30
 SECONDS = 60
@@ -19,6 +24,10 @@ SECONDS = 60
 
 class Wrong(Exception):
     pass
+
+
+def sha256(data):
+    return hashlib.sha256(data).hexdigest()
 
 
 def fetch(address):
@@ -33,30 +42,61 @@ def fetch(address):
     return data
 
 
-def points_of_off(data):
-    """The points of an OFF, a line each."""
-    words = (word for line in data.decode("ascii").splitlines() for word in line.split("#")[0].split())
-    if next(words, "") != "OFF":
-        raise Wrong("the file does not begin with OFF")
+def pinned(what, data, digest):
+    if sha256(data) != digest:
+        raise Wrong(f"{what} has SHA-256 {sha256(data)}; the manifest says {digest}: it is not kept")
+    return data
+
+
+def wanted_files(model, folder):
+    """Where the files of a model are to be, and their hashes."""
+    wanted = {folder / model["name"]: model["sha256"]}
+    if "reference_sha256" in model:
+        wanted[folder / "reference" / model["name"]] = model["reference_sha256"]
+    return wanted
+
+
+def is_there(path, digest):
+    return path.is_file() and sha256(path.read_bytes()) == digest
+
+
+def encoded(model, folder):
+    """A Draco file, made of a cloud that the manifest has too."""
+    tool = shutil.which("draco_encoder")
+    if tool is None:
+        raise Wrong(f"{model['name']} is made by draco_encoder 1.5, which is not here; Debian's package draco brings it")
+    with tempfile.TemporaryDirectory() as scratch:
+        out = Path(scratch, "out.drc")
+        ran = subprocess.run([tool, "-point_cloud", "-i", folder / model["encoded_from"], "-o", out, *model["arguments"]], capture_output=True, text=True)
+        if ran.returncode != 0:
+            raise Wrong(f"{model['name']}: draco_encoder failed: {ran.stdout}{ran.stderr}")
+        return [out.read_bytes()]
+
+
+def made(model):
+    """The contents of the model's files, from its source."""
+    source = pinned(model["address"], fetch(model["address"]), model["source_sha256"])
+    suffix = Path(model["address"]).suffix
+    if suffix == Path(model["name"]).suffix == ".drc":
+        return [source]
     try:
-        count = int(next(words))
-        next(words), next(words)
-        return "".join([f"{next(words)} {next(words)} {next(words)}\n" for _ in range(count)]).encode()
-    except (ValueError, StopIteration) as wrong:
-        raise Wrong("the file ends before its points do, or has no number of points; fetch it again") from wrong
+        cloud = model_files.READERS[suffix](source)
+    except (ValueError, IndexError, KeyError, StopIteration) as wrong:
+        raise Wrong(f"{model['address']} cannot be read: {wrong!r}") from None
+    return [model_files.cloud_bytes(cloud)] + ([model_files.mesh_bytes(cloud)] if "reference_sha256" in model else [])
 
 
 def take(model, folder):
-    path = folder / model["name"]
-    data = path.read_bytes() if path.exists() else fetch(model["address"])
-    digest = hashlib.sha256(data).hexdigest()
-    if model["sha256"] is not None and digest != model["sha256"]:
-        raise Wrong(f"{model['name']} has SHA-256 {digest}; the manifest says {model['sha256']}: it is not kept, and where it is on disk already, delete it")
-    path.write_bytes(data)
-    if path.suffix == ".off":
-        path.with_suffix(".xyz").write_bytes(points_of_off(data))
-    pinned = "as in the manifest" if model["sha256"] else f"not pinned by the manifest; SHA-256 {digest}"
-    return f"{path}: {len(data)} bytes, {pinned}\n  {model['points']} points. {model['credit']}. {model['licence']}"
+    wanted = wanted_files(model, folder)
+    state = "was there"
+    if not all(is_there(path, digest) for path, digest in wanted.items()):
+        contents = encoded(model, folder) if "encoded_from" in model else made(model)
+        for (path, digest), data in zip(wanted.items(), contents):
+            pinned(str(path), data, digest)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data)
+        state = "fetched"
+    return f"{folder / model['name']}: {state}, {model['points']} points. {model['credit']}. {model['licence']}"
 
 
 def main():

@@ -73,7 +73,7 @@ class FormatsEndToEnd : public ::testing::Test {
 
 TEST_F(FormatsEndToEnd, a_real_cloud_gives_the_same_mesh_in_every_format_by_command_and_over_http) {
   const fs::path cloud = fs::path(SURFACED_SHARED_DATA) / "fertility.ply";
-  if (!fs::exists(cloud)) GTEST_SKIP() << "shared/data is not there";
+  if (!fs::exists(cloud)) GTEST_SKIP() << "./dev data fetches its cloud";
   const std::string id = job_of(read_all(cloud), "");
   for (const std::string format : kFormats) {
     const std::string ours = by_command(cloud, format, "");
