@@ -106,9 +106,9 @@ def within(sources, table, wrong):
     return list(rows.items())
 
 
-def listing(rows):
+def titled(title, rows):
     width = max(len(name) for name, _ in rows) + 2
-    return "".join(f"  {name.ljust(width)}{text}\n" for name, text in rows)
+    return f"\n{title}:\n\n" + "".join(f"  {name.ljust(width)}{text}\n" for name, text in rows)
 
 
 def notice(source, binary, wrong):
@@ -126,9 +126,9 @@ def notice(source, binary, wrong):
     page = bundled(lock, table, wrong) + within([each.read_text() for each in web.glob("src/**/*.ts")], table, wrong)
     tests = [(row["name"], row["licence"]) for row in table["tests"]]
     rows.sort(key=lambda row: row["name"].lower())
-    return (HEAD + "\nCompiled in or linked, from Debian's packages:\n\n"
-            + listing([(row["name"], "; ".join(filter(None, [row["licence"], row["holder"]]))) for row in rows])
-            + "\nIn the viewer:\n\n" + listing(page) + "\nIn the tests only:\n\n" + listing(tests) + TAIL)
+    linked = [(row["name"], "; ".join(filter(None, [row["licence"], row["holder"]]))) for row in rows]
+    return (HEAD + titled("Compiled in or linked, from Debian's packages", linked)
+            + titled("In the viewer", page) + titled("In the tests only", tests) + TAIL)
 
 
 def main():
