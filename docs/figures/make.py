@@ -52,6 +52,19 @@ def knot(s):
     s.row("knot-mesh", [s.draw(s.mesh(cloud, "knot.glb", "minimum-boundary"), 480, "20,75")])
 
 
+def sparse(s):
+    """400 points of a figure of 4,000: what the README begins with."""
+    cloud = s.scratch / "sparse.ply"
+    sheets.write_cloud(cloud, sheets.subset(sheets.rabbit_points(4000), 400))
+    s.row("sparse-points", [s.draw(cloud, 480, sheets.SIDE)])
+    s.row("sparse-mesh", [s.draw(s.mesh(cloud, "sparse.glb", "minimum-boundary"), 480, sheets.SIDE, "--wire")])
+
+
+def viewer(s):
+    subprocess.run(["node", HERE / "viewer.mjs", s.build / "surfaced", s.out / "viewer.png"], check=True)
+    print(f"  {s.out / 'viewer.png'}: {(s.out / 'viewer.png').stat().st_size} bytes")
+
+
 def local_delaunay(s):
     for kind, count, holes, view, wire in (("paraboloid", 1500, "none", "40,25", ["--wire"]), ("bitorus", 3000, "small", "70,40", ["--wire"]),
                                            ("bumpy", 187644, "small", "30,20", [])):
@@ -111,22 +124,26 @@ def minimum_boundary(s):
              "--renderer", s.build / "draw")
 
 
-FIGURES = {each.__name__: each for each in (knot, local_delaunay, intrinsic_delaunay, hole_filling, upsampling, minimum_boundary_stages, minimum_boundary)}
+FIGURES = {each.__name__: each for each in (knot, sparse, local_delaunay, intrinsic_delaunay, hole_filling, upsampling, minimum_boundary_stages, minimum_boundary)}
+
+# Wants a browser and `npm ci` in tests/viewer, so only by its name.
+ON_REQUEST = {"viewer": viewer}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("out", type=Path)
-    parser.add_argument("figures", nargs="*", metavar="FIGURE", help=", ".join(FIGURES))
+    parser.add_argument("figures", nargs="*", metavar="FIGURE", help=", ".join([*FIGURES, *ON_REQUEST]))
     parser.add_argument("--build", type=Path, default=HERE.parent.parent / "build/release")
     options = parser.parse_intermixed_args()
-    if unknown := set(options.figures) - set(FIGURES):
-        parser.error(f"{', '.join(sorted(unknown))}: there are {', '.join(FIGURES)}")
+    known = {**FIGURES, **ON_REQUEST}
+    if unknown := set(options.figures) - set(known):
+        parser.error(f"{', '.join(sorted(unknown))}: there are {', '.join(known)}")
     options.out.mkdir(parents=True, exist_ok=True)
     for name in options.figures or FIGURES:
         print(name, flush=True)
         with tempfile.TemporaryDirectory() as scratch:
-            FIGURES[name](Studio(options.out.resolve(), options.build.resolve(), Path(scratch)))
+            known[name](Studio(options.out.resolve(), options.build.resolve(), Path(scratch)))
 
 
 if __name__ == "__main__":
