@@ -17,7 +17,10 @@ function linkedPackages(source) {
   const lines = readFileSync(path.join(source, 'packages.txt'), 'utf8').split('\n');
   const from = lines.indexOf('[run]') + 1;
   const to = lines.findIndex((line, at) => at > from && line.startsWith('['));
-  return lines.slice(from, to).filter((line) => line && !line.startsWith('#') && !data.has(line));
+  return lines.slice(from, to).filter((line) => line && !line.startsWith('#') && !data.has(line)).map((line) => {
+    const names = line.split('|').map((name) => name.trim());
+    return names.find((name) => existsSync(`/usr/share/doc/${name}/copyright`)) ?? names[0];
+  });
 }
 
 function debianEntries(source) {
