@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "baselines/method.hpp"
+#include "baselines/watched_kernel.hpp"
 #include "preparing/preparing.hpp"
 
 namespace surfaced {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "baselines/baselines.hpp"
-#include "baselines/watched_kernel.hpp"
+#include "baselines/watch.hpp"
 
 namespace surfaced::baselines {
 

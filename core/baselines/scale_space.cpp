@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "baselines/method.hpp"
+#include "baselines/watched_kernel.hpp"
 #include "preparing/preparing.hpp"
 
 namespace surfaced {

@@ -2,6 +2,8 @@
 // Source: P. Liepa, "Filling holes in meshes", SGP 2003, as CGAL has it.
 #include "hole_filling/library_patch.hpp"
 
+// Not asked for below, and a quarter of what compiling this would cost.
+#define CGAL_HOLE_FILLING_DO_NOT_USE_CDT2
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/refine.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>

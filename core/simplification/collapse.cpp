@@ -94,7 +94,9 @@ struct Visitor : Sms::Edge_collapse_visitor_base<Mesh> {
   Visitor(std::vector<bool>& touched_vertices, Context& its_context)
       : touched(&touched_vertices), context(&its_context) {}
 
-  void OnCollected(const Profile&, const boost::optional<double>&) {
+  /// @tparam Cost  an optional number: Boost's in CGAL 5, std's in CGAL 6
+  template <class Cost>
+  void OnCollected(const Profile&, const Cost&) {
     if (++collected % kStepsBetweenChecks == 0) stop_if_cancelled(*context);
   }
   void OnCollapsed(const Profile&, Mesh::Vertex_index kept) { (*touched)[kept] = true; }

@@ -221,12 +221,23 @@ class Engine::Library final : public httplib::Server {
   bool run(Use& use, httplib::Stream& stream) {
     current = &use;
     bool closed = false;
-    const bool written = process_request(stream, false, closed, nullptr);
+    const bool written = process(*this, stream, closed);
     current = nullptr;
     return written;
   }
 
  private:
+  /// Later versions of the library are told the addresses of both ends, which it only repeats to handlers: ours have
+  /// them from the connection.
+  template <class Server>
+  static bool process(Server& server, httplib::Stream& stream, bool& closed) {
+    if constexpr (requires { server.process_request(stream, false, closed, nullptr); }) {
+      return server.process_request(stream, false, closed, nullptr);
+    } else {
+      return server.process_request(stream, {}, 0, {}, 0, false, closed, nullptr);
+    }
+  }
+
   /// The library fills static tables at its first request. That is safe in threads, but the thread
   /// sanitizer cannot see it through a library it has not compiled; so the first request is ours.
   void fill_tables() {
