@@ -4,8 +4,7 @@
 #include <cmath>
 #include <iostream>
 #include <numbers>
-
-#include "reconstruction/reconstruction.hpp"
+#include <surfaced/surfaced.hpp>
 
 namespace {
 

@@ -22,7 +22,7 @@ struct RawCloud {
 };
 
 /// Distinct points in canonical order: the same for any order of the same input points.
-/// Vertex v of a method's mesh is positions[v] of its cloud.
+/// A method numbers its vertices like `positions`; `run` drops unused ones (vertices_of_input says where points went).
 struct PointCloud {
   /// V distinct finite positions within float32's range, +0 instead of -0; sorted by Morton key on
   /// the bounding cube, then by x, y, z.
@@ -31,7 +31,7 @@ struct PointCloud {
   std::vector<Normal3> normals;
   /// Empty or V; of duplicates the mean.
   std::vector<Color4> colors;
-  /// N entries: the vertex that each input point became.
+  /// N entries: where each input point stands in `positions`.
   std::vector<VertexIndex> input_to_vertex;
   std::vector<std::string> warnings;
 

@@ -76,8 +76,8 @@ struct Reconstruction {
 };
 
 /// Runs a method with checked parameters, and the stages before and after it that they ask for. The mesh is sorted, has
-/// no unused vertices, carries the cloud's normals and colours, and is the same for any number of threads and any order
-/// of the points.
+/// no unused vertices (vertices_of_input tells which is which point), carries the cloud's normals and colours, and is
+/// the same for any number of threads and any order of the points.
 /// @return  method_failed for an empty mesh; cancelled; too_few_points, collinear, coplanar.
 Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters, Context& context);
 
