@@ -126,7 +126,7 @@ std::optional<Response> Gate::check_key(Request& request, std::string_view route
   const Quota& quota = key->quota;
   auto slower = check_pace(request, route, key->id, quota.requests_per_minute, quota.submissions_per_minute);
   if (slower) return slower;
-  if (const auto error = check_scope(request, *key)) return http::problem_response(*error, request);
+  if (const auto error = check_scope(request, *key, route)) return http::problem_response(*error, request);
   if (const auto error = check_owner(request, route)) return http::problem_response(*error, request);
   if (const auto error = check_quota(request, *key, route)) return http::problem_response(*error, request);
   return std::nullopt;
@@ -150,10 +150,17 @@ std::optional<Response> Gate::count(const Request& request, const std::string& c
   return response;
 }
 
-std::optional<Error> Gate::check_scope(const Request& request, const Key& key) const {
+std::optional<Error> Gate::check_scope(const Request& request, const Key& key, std::string_view route) const {
   const bool reads = request.method == "GET" || request.method == "HEAD";
-  if (reads ? key.scopes.read : key.scopes.submit) return std::nullopt;
-  return Error{ErrorCode::forbidden, request.method + " needs the scope " + (reads ? "read" : "submit") + "; the key " +
+  const char* needed = reads ? "read" : "submit";
+  bool permitted = reads ? key.scopes.read : key.scopes.submit;
+  if (route == "/metrics") {
+    // They tell of everybody's jobs.
+    needed = "metrics";
+    permitted = key.scopes.metrics;
+  }
+  if (permitted) return std::nullopt;
+  return Error{ErrorCode::forbidden, request.method + " " + request.path + " needs the scope " + needed + "; the key " +
                                          key.id + " has not got it"};
 }
 

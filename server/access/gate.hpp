@@ -55,7 +55,7 @@ class Gate final : public http::Gate {
                                            std::uint64_t submissions);
   std::optional<http::Response> count(const http::Request& request, const std::string& client, const char* what,
                                       std::uint64_t per_minute);
-  std::optional<Error> check_scope(const http::Request& request, const Key& key) const;
+  std::optional<Error> check_scope(const http::Request& request, const Key& key, std::string_view route) const;
   std::optional<Error> check_quota(const http::Request& request, const Key& key, std::string_view route);
   std::optional<Error> check_owner(const http::Request& request, std::string_view route);
   bool is_allowed(std::string_view origin) const;

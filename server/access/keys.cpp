@@ -19,6 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kPrefix = "sfd_";
+constexpr std::string_view kScopeNames = "read, submit, metrics, admin";
 
 std::string hash_of(std::string_view secret) {
   Sha256 sha;
@@ -66,13 +67,15 @@ Result<Scopes> scopes_named(std::string_view list) {
     } else if (name == "submit") {
       scopes.submit = true;
     } else if (name == "admin") {
-      scopes = {true, true, true};
+      scopes = {true, true, true, true};
+    } else if (name == "metrics") {
+      scopes.metrics = true;
     } else {
-      return Error{ErrorCode::invalid_usage, "the scopes are '" + whole + "'; allowed are read, submit, admin"};
+      return Error{ErrorCode::invalid_usage, "the scopes are '" + whole + "'; allowed are " + std::string(kScopeNames)};
     }
   }
-  if (!scopes.read && !scopes.submit) {
-    return Error{ErrorCode::invalid_usage, "a key needs a scope; there are read, submit, admin"};
+  if (!scopes.read && !scopes.submit && !scopes.metrics) {
+    return Error{ErrorCode::invalid_usage, "a key needs a scope; there are " + std::string(kScopeNames)};
   }
   return scopes;
 }
@@ -82,6 +85,7 @@ std::vector<std::string> names_of(const Scopes& scopes) {
   std::vector<std::string> names;
   if (scopes.read) names.emplace_back("read");
   if (scopes.submit) names.emplace_back("submit");
+  if (scopes.metrics) names.emplace_back("metrics");
   return names;
 }
 

@@ -22,6 +22,8 @@ struct Scopes {
   bool submit = false;
   /// Everything, also what belongs to other keys.
   bool admin = false;
+  /// GET /metrics, which counts the jobs of all keys; nothing else.
+  bool metrics = false;
 };
 /// "read,submit"; invalid_usage for anything else.
 Result<Scopes> scopes_named(std::string_view list);

@@ -71,7 +71,8 @@ void add_keys(CLI::App& app, Run& run) {
   };
   CLI::App* add = add_verb("add", "Make a key; its text is shown once", add_key);
   add->add_option("--name", options->name, "For people")->required();
-  add->add_option("--scopes", options->scopes, "Of read, submit, admin")->capture_default_str();
+  add->add_option("--scopes", options->scopes, "Of read, submit, metrics (nothing but /metrics), admin (all of them)")
+      ->capture_default_str();
   add->add_option("--requests-per-minute", options->quota.requests_per_minute, "0: no limit")->capture_default_str();
   add->add_option("--submissions-per-minute", options->quota.submissions_per_minute,
                   "Clouds, uploads and jobs that are sent; 0: no limit")

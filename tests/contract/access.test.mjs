@@ -16,6 +16,7 @@ const reader = makeKey('reader', '--scopes', 'read');
 const alice = makeKey('alice');
 const bob = makeKey('bob');
 const admin = makeKey('admin', '--scopes', 'admin');
+const scraper = makeKey('scraper', '--scopes', 'metrics');
 const hasty = makeKey('hasty', '--requests-per-minute', '3');
 const small = makeKey('small', '--stored-bytes', '1000');
 const single = makeKey('single', '--active-jobs', '1');
@@ -48,6 +49,12 @@ test('without a known key only probes, methods and the contract are open', async
 test('a key is held to its scopes', async () => {
   assert.equal((await server.as(reader).call('GET', '/v1/jobs')).status, 200);
   await expect(403, 'forbidden', server.as(reader).post('/v1/jobs', knot));
+  assert.equal((await server.as(scraper).call('GET', '/metrics')).status, 200);
+  assert.equal((await server.as(admin).call('GET', '/metrics')).status, 200);
+  for (const key of [reader, alice]) await expect(403, 'forbidden', server.as(key).call('GET', '/metrics'));
+  await expect(401, 'unauthorized', server.call('GET', '/metrics'));
+  for (const target of ['/v1/jobs', '/jobs']) await expect(403, 'forbidden', server.as(scraper).call('GET', target));
+  await expect(403, 'forbidden', server.as(scraper).post('/v1/jobs', knot));
 });
 
 test('what belongs to another key does not exist', async () => {
