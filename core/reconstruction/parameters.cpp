@@ -81,7 +81,9 @@ Json value_from_text(const std::string& text) {
   return text;
 }
 
-Error unknown_parameter(const MethodInfo& method, const std::string& name) {
+Error unknown_parameter(const MethodInfo& method, const std::string& given) {
+  constexpr std::size_t kLongestName = 200;
+  const std::string name = given.substr(0, kLongestName);
   std::string known;
   for (const auto& [each, schema] : method.parameters.at("properties").items())
     known += (known.empty() ? "" : ", ") + each;

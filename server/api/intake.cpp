@@ -6,6 +6,7 @@
 #include "http/multipart.hpp"
 #include "http/problem.hpp"
 #include "http/request_head.hpp"
+#include "platform/bounded_json.hpp"
 
 namespace surfaced::api {
 namespace {
@@ -15,8 +16,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxJsonBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxFieldBytes = std::size_t{64} << 10;
-/// What the library's writer, which calls itself for every level, can go down without fear.
-constexpr std::size_t kMaxJsonDepth = 64;
 
 Status check_encoding(const Request& request) {
   const auto encoding = request.headers.find("Content-Encoding");
@@ -31,25 +30,6 @@ Status check_present(const Request& request) {
   }
   if (request.body->length() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
   return Done{};
-}
-
-bool is_too_deep(std::string_view text) {
-  std::size_t depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > kMaxJsonDepth) return true;
-    } else if ((c == ']' || c == '}') && depth > 0) {
-      --depth;
-    }
-  }
-  return false;
 }
 
 /// The fields and the file of a form, as they come.
@@ -180,17 +160,7 @@ Result<Json> receive_json(Request& request, std::size_t most_bytes) {
     return Done{};
   });
   if (!read) return read.error();
-  if (is_too_deep(text)) {
-    return Error{ErrorCode::invalid_request, "the JSON is nested deeper than " + std::to_string(kMaxJsonDepth)};
-  }
-  try {
-    return Json::parse(text);
-  } catch (const Json::parse_error& wrong) {
-    return Error{ErrorCode::invalid_request,
-                 "the body is no JSON: it goes wrong at byte " + std::to_string(wrong.byte)};
-  } catch (const Json::out_of_range&) {
-    return Error{ErrorCode::invalid_request, "the JSON has a number that is beyond the range of float64"};
-  }
+  return parse_bounded(text);
 }
 
 Result<std::unique_ptr<Upload>> receive_raw(Request& request, JobService& service) {

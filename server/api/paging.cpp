@@ -41,7 +41,7 @@ Status read_statuses(const Request& request, JobFilter& filter) {
       return http::wrong_value(ErrorCode::invalid_parameter, "status", name,
                                "one or more of accepted, running, successful, failed, dismissed");
     }
-    filter.statuses.push_back(*status);
+    if (std::ranges::find(filter.statuses, *status) == filter.statuses.end()) filter.statuses.push_back(*status);
   }
   return Done{};
 }

@@ -25,6 +25,8 @@ constexpr auto kFields = std::to_array<std::string_view>(
 constexpr double kShortestTtl = 60;
 constexpr double kLongestTtl = 30 * 24 * 3600;
 constexpr std::size_t kMostLabels = 16;
+/// Entries of a list before they are looked at: some may be there twice.
+constexpr std::size_t kMostTexts = 256;
 constexpr std::size_t kLongestLabel = 64;
 constexpr std::size_t kLongestWebhook = 2048;
 
@@ -148,6 +150,11 @@ Result<std::vector<std::string>> texts_field(const Json& body, const char* field
   const auto found = body.find(field);
   if (found == body.end() || found->is_null()) return texts;
   if (!found->is_array()) return wrong_type(field, *found, "an array of strings");
+  if (found->size() > kMostTexts) {
+    return with_fault({ErrorCode::invalid_parameter, std::string(field) + " has " + std::to_string(found->size()) +
+                                                         " entries; allowed are " + std::to_string(kMostTexts)},
+                      {field, std::to_string(found->size()) + " entries", "up to " + std::to_string(kMostTexts)});
+  }
   for (const Json& each : *found) {
     if (!each.is_string()) return wrong_type(field, *found, "an array of strings");
     texts.push_back(each.get<std::string>());

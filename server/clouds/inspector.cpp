@@ -3,6 +3,8 @@
 
 #include <iostream>
 
+#include "platform/bounded_json.hpp"
+
 namespace surfaced {
 namespace {
 
@@ -85,8 +87,8 @@ Result<Json> CloudInspector::inspect(const std::string& id) {
   if (reader && (*reader)->size() <= kMaxFacts) {
     std::string text((*reader)->size(), '\0');
     const auto count = (*reader)->read(0, std::as_writable_bytes(std::span(text)));
-    facts = Json::parse(text, nullptr, false);
-    if (!count || *count != text.size()) facts = Json();
+    auto read = parse_bounded(text);
+    if (read && count && *count == text.size()) facts = std::move(*read);
   }
   artifacts_.discard(place);
   if (facts.is_object()) return facts;

@@ -70,12 +70,37 @@ class GuardedStream final : public httplib::Stream {
   bool broken_ = false;
 };
 
+/// Hands bytes on in pieces of some size: whoever takes them (a form, a file, a hash) has work for every piece, and a
+/// client may send chunks of one byte.
+class Pieces {
+ public:
+  explicit Pieces(const BodySource::Sink& sink) : sink_(sink) {}
+
+  Status add(std::string_view bytes) {
+    if (kept_.empty() && bytes.size() >= kEnough) return sink_(std::as_bytes(std::span(bytes)));
+    kept_.append(bytes);
+    return kept_.size() >= kEnough ? flush() : Status(Done{});
+  }
+  Status flush() {
+    if (kept_.empty()) return Done{};
+    Status taken = sink_(std::as_bytes(std::span(kept_)));
+    kept_.clear();
+    return taken;
+  }
+
+ private:
+  static constexpr std::size_t kEnough = std::size_t{16} << 10;
+  const BodySource::Sink& sink_;
+  std::string kept_;
+};
+
 /// The body of the request that is being answered.
 class GuardedBody final : public BodySource {
  public:
+  /// @param client  whose body it is; found out before the body is read
   GuardedBody(Connection& connection, GuardedStream& stream, const RequestHead& head, std::uint64_t limit,
-              Places& places)
-      : connection_(connection), stream_(stream), head_(head), limit_(limit), places_(places) {}
+              Places& places, const std::string& client)
+      : connection_(connection), stream_(stream), head_(head), limit_(limit), places_(places), client_(client) {}
 
   bool present() const override { return !std::holds_alternative<NoBody>(head_.framing); }
 
@@ -91,7 +116,7 @@ class GuardedBody final : public BodySource {
     if (!present() || reader_ == nullptr) return Done{};
     // What is here already takes nobody's time.
     std::optional<Result<Places::Place>> place;
-    if (!length() || *length() > connection_.buffered()) place.emplace(places_.take(connection_.remote_address()));
+    if (!length() || *length() > connection_.buffered()) place.emplace(places_.take(client_));
     if (place && !place->ok()) return place->error();
     connection_.begin_transfer();
     if (head_.expects_continue && !connection_.write("HTTP/1.1 100 Continue\r\n\r\n")) {
@@ -99,12 +124,15 @@ class GuardedBody final : public BodySource {
     }
     Status result = Done{};
     std::uint64_t total = 0;
+    Pieces pieces(sink);
     const bool read = (*reader_)([&](const char* bytes, std::size_t size) {
       total += size;
       result = total > limit_ ? Status(too_large("the body goes on after " + std::to_string(limit_) + " bytes"))
-                              : sink(std::as_bytes(std::span(bytes, size)));
+                              : pieces.add({bytes, size});
       return result.ok();
     });
+    // Of a body that breaks off, too: an upload keeps what came.
+    if (result) result = pieces.flush();
     if (!result) return result;
     if (read && stream_.body_complete()) return Done{};
     if (connection_.too_slow()) {
@@ -125,6 +153,7 @@ class GuardedBody final : public BodySource {
   const RequestHead& head_;
   const std::uint64_t limit_;
   Places& places_;
+  const std::string& client_;
   const httplib::ContentReader* reader_ = nullptr;
 };
 
@@ -259,8 +288,8 @@ Exchange Engine::exchange(Connection& connection, const Result<RequestHead>& hea
   Exchange exchange;
   exchange.began = std::chrono::steady_clock::now();
   GuardedStream stream(&connection, head_for_library(shown), shown.framing);
-  GuardedBody body(connection, stream, shown, body_limit_, places_);
   Request& request = exchange.request;
+  GuardedBody body(connection, stream, shown, body_limit_, places_, request.remote_address);
   request.method = shown.method;
   request.path = shown.path;
   request.headers = shown.headers;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "worker/attempt_protocol.hpp"
 
+#include "platform/bounded_json.hpp"
+
 namespace surfaced {
 namespace {
 
@@ -65,8 +67,9 @@ std::string encode(const Error& problem) {
 }
 
 Message decode_message(std::string_view line) {
-  const Json json = Json::parse(line, nullptr, false);
-  if (!json.is_object()) return {};
+  const auto read = parse_bounded(line);
+  if (!read || !read->is_object()) return {};
+  const Json& json = *read;
   const auto text = [&](const char* name, std::size_t limit) {
     const auto found = json.find(name);
     return found != json.end() && found->is_string() ? found->get<std::string>().substr(0, limit) : std::string();
