@@ -14,6 +14,8 @@
 #include <memory>
 #include <vector>
 
+#include "observability/log.hpp"
+
 namespace surfaced {
 namespace {
 
@@ -115,11 +117,13 @@ Result<WebhookTarget> resolve_target(const std::string& url, bool private_too) {
   std::string name = target.host;
   if (name.starts_with('[') && name.ends_with(']')) name = name.substr(1, name.size() - 2);
   const auto addresses = addresses_of(name, target.port);
-  if (addresses.empty()) return refuse("the host " + target.host + " has no address");
-  for (const std::string& address : addresses) {
-    if (!private_too && !is_public_address(address)) {
-      return refuse("the host " + target.host + " has the address " + address + ", which is not public");
-    }
+  // In the same words for a name that is not known and for one of this network: whoever asks is not to learn which
+  // names there are, nor what they resolve to.
+  const bool reachable = private_too || std::ranges::all_of(addresses, is_public_address);
+  if (addresses.empty() || !reachable) {
+    log(LogLevel::info, "a webhook's host has no public address",
+        {{"host", target.host}, {"address", addresses.empty() ? "" : addresses.front()}});
+    return refuse("the host " + target.host + " has no address, or one that is not public");
   }
   target.address = addresses.front();
   return target;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,8 +40,10 @@ class DeliveryStore {
   DeliveryStore& operator=(const DeliveryStore&) = delete;
   virtual ~DeliveryStore() = default;
 
-  /// Pending ones whose time has come, the oldest first.
-  virtual Result<std::vector<Delivery>> due(std::size_t most) = 0;
+  /// Tells by its URL whether a delivery is wanted now; asked for each until there are enough.
+  using Wanted = std::function<bool(const std::string& url)>;
+  /// Pending ones whose time has come and which are wanted, the oldest first.
+  virtual Result<std::vector<Delivery>> due(std::size_t most, const Wanted& wanted) = 0;
 
   /// What became of an attempt: delivered, or to be tried again at `next_at`, or given up without one.
   virtual Status tried(const Delivery& delivery) = 0;

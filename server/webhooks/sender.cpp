@@ -6,18 +6,19 @@
 #include <array>
 #include <iostream>
 #include <memory>
+#include <set>
 
 #include "platform/base64.hpp"
 #include "platform/digest.hpp"
-#include "webhooks/address_guard.hpp"
 
 namespace surfaced {
 namespace {
 
 constexpr std::chrono::seconds kBetweenLooks{1};
-constexpr std::size_t kAtOnce = 16;
 constexpr long kConnectMilliseconds = 5'000;
 constexpr long kWholeMilliseconds = 15'000;
+/// Bytes of an answer's body that are taken.
+constexpr std::size_t kMostAnswer = std::size_t{64} << 10;
 /// Between two attempts; after the last one the delivery is given up.
 constexpr auto kPauses =
     std::to_array<std::chrono::seconds>({std::chrono::seconds(5), std::chrono::seconds(30), std::chrono::minutes(5),
@@ -38,8 +39,16 @@ List with(List list, const std::string& entry) {
   return List(longer);
 }
 
-/// What the receiver writes is of no interest; that it ends is.
-std::size_t drop(char* /*bytes*/, std::size_t size, std::size_t count, void* /*unused*/) { return size * count; }
+/// What the receiver writes is of no interest; that it ends is, so most of it is not taken.
+std::size_t drop(char* /*bytes*/, std::size_t size, std::size_t count, void* taken) {
+  auto& total = *static_cast<std::size_t*>(taken);
+  total += size * count;
+  return total > kMostAnswer ? 0 : size * count;
+}
+
+int end_if(void* stopping, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+  return *static_cast<const std::atomic<bool>*>(stopping) ? 1 : 0;
+}
 
 }  // namespace
 
@@ -50,6 +59,19 @@ std::string webhook_signature(std::string_view secret, std::string_view id, std:
   return "v1," + base64_encode(hmac_sha256(secret, message));
 }
 
+namespace {
+
+List signed_headers(const std::string& secret, const Delivery& delivery, const std::string& body) {
+  const std::string timestamp =
+      std::to_string(std::chrono::duration_cast<std::chrono::seconds>(delivery.tried_at->time_since_epoch()).count());
+  List headers = with(nullptr, "Content-Type: application/json");
+  headers = with(std::move(headers), "Webhook-Id: " + delivery.id);
+  headers = with(std::move(headers), "Webhook-Timestamp: " + timestamp);
+  return with(std::move(headers), "Webhook-Signature: " + webhook_signature(secret, delivery.id, timestamp, body));
+}
+
+}  // namespace
+
 std::optional<std::chrono::seconds> retry_after(std::uint32_t attempts) {
   if (attempts == 0 || attempts > kPauses.size()) return std::nullopt;
   return kPauses.at(attempts - 1);
@@ -59,52 +81,96 @@ WebhookSender::WebhookSender(DeliveryStore& deliveries, JobStore& jobs, WebhookO
     : deliveries_(deliveries), jobs_(jobs), options_(std::move(options)), describe_(std::move(describe)) {}
 
 void WebhookSender::start() {
-  thread_ = std::thread([this] { work(); });
+  looking_ = std::thread([this] { look(); });
+  for (std::size_t i = receivers_.room(); i > 0; --i) sending_.emplace_back([this] { work(); });
 }
 
 void WebhookSender::stop() {
   {
     const std::scoped_lock lock(mutex_);
     stopping_ = true;
-    wake_.notify_all();
+    free_.notify_all();
+    handed_.notify_all();
   }
-  if (thread_.joinable()) thread_.join();
+  if (looking_.joinable()) looking_.join();
+  for (std::thread& thread : sending_) thread.join();
+  sending_.clear();
+}
+
+void WebhookSender::look() {
+  while (!stopping_) {
+    hand_out();
+    std::unique_lock lock(mutex_);
+    free_.wait_for(lock, kBetweenLooks, [&] { return stopping_ || freed_; });
+    freed_ = false;
+  }
+}
+
+void WebhookSender::hand_out() {
+  const std::size_t room = receivers_.room();
+  if (room == 0) return;
+  std::set<std::string> chosen;
+  auto due = deliveries_.due(room, [&](const std::string& url) {
+    const std::string receiver = Receivers::name_of(url);
+    return receivers_.is_free(receiver) && chosen.insert(receiver).second;
+  });
+  if (!due) {
+    std::cerr << "webhooks: " << due.error().detail << std::endl;
+    return;
+  }
+  const std::scoped_lock lock(mutex_);
+  for (Delivery& delivery : *due) {
+    receivers_.take(Receivers::name_of(delivery.url));
+    queue_.push_back(std::move(delivery));
+    handed_.notify_one();
+  }
 }
 
 void WebhookSender::work() {
   for (;;) {
-    if (auto due = deliveries_.due(kAtOnce)) {
-      for (Delivery& delivery : *due) {
-        {
-          const std::scoped_lock lock(mutex_);
-          if (stopping_) return;
-        }
-        deliver(std::move(delivery));
-      }
-    } else {
-      std::cerr << "webhooks: " << due.error().detail << std::endl;
-    }
     std::unique_lock lock(mutex_);
-    if (wake_.wait_for(lock, kBetweenLooks, [&] { return stopping_; })) return;
+    handed_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
+    if (stopping_) return;
+    Delivery delivery = std::move(queue_.front());
+    queue_.pop_front();
+    lock.unlock();
+    const std::string receiver = Receivers::name_of(delivery.url);
+    deliver(std::move(delivery));
+    receivers_.leave(receiver);
+    lock.lock();
+    freed_ = true;
+    free_.notify_one();
   }
 }
 
 void WebhookSender::deliver(Delivery delivery) {
   const auto job = jobs_.find(delivery.job);
+  if (!job) {
+    note(std::move(delivery), job.error(), true);
+    return;
+  }
+  delivery.tried_at = now();
+  const auto target = resolve_target(delivery.url, options_.private_too);
+  // Others at this address are told first.
+  if (target && !receivers_.settle(Receivers::name_of(delivery.url), target->address)) return;
+  const Result<int> answered = target ? post(delivery, *target, describe_(*job)) : Result<int>(target.error());
+  note(std::move(delivery), answered, false);
+}
+
+void WebhookSender::note(Delivery delivery, const Result<int>& answered, bool job_is_gone) {
+  if (!answered && stopping_) return;
   const SystemTime time = now();
   ++delivery.attempts;
   delivery.tried_at = time;
-  delivery.http_status = 0;
+  delivery.http_status = answered ? *answered : 0;
   delivery.next_at.reset();
-  const auto answered = job ? post(delivery, describe_(*job)) : Result<int>(job.error());
-  if (answered) delivery.http_status = *answered;
   if (answered && *answered >= 200 && *answered < 300) {
     delivery.status = "delivered";
     delivery.detail.clear();
   } else {
     delivery.detail = answered ? "the receiver answered " + std::to_string(*answered) : answered.error().detail;
     // A job that is gone has nothing to tell any more; 410 says that nobody listens.
-    const auto pause = !job || delivery.http_status == 410 ? std::nullopt : retry_after(delivery.attempts);
+    const auto pause = job_is_gone || delivery.http_status == 410 ? std::nullopt : retry_after(delivery.attempts);
     delivery.status = pause ? "pending" : "given_up";
     if (pause) delivery.next_at = time + *pause;
   }
@@ -113,21 +179,14 @@ void WebhookSender::deliver(Delivery delivery) {
     std::cerr << "webhooks: " << noted.error().detail << std::endl;
 }
 
-Result<int> WebhookSender::post(const Delivery& delivery, const std::string& body) const {
-  const auto target = resolve_target(delivery.url, options_.private_too);
-  if (!target) return target.error();
+Result<int> WebhookSender::post(const Delivery& delivery, const WebhookTarget& target, const std::string& body) const {
   const std::unique_ptr<CURL, FreeHandle> handle(::curl_easy_init());
   if (!handle) throw std::bad_alloc();
-  const std::string timestamp =
-      std::to_string(std::chrono::duration_cast<std::chrono::seconds>(delivery.tried_at->time_since_epoch()).count());
-  List headers = with(nullptr, "Content-Type: application/json");
-  headers = with(std::move(headers), "Webhook-Id: " + delivery.id);
-  headers = with(std::move(headers), "Webhook-Timestamp: " + timestamp);
-  headers = with(std::move(headers),
-                 "Webhook-Signature: " + webhook_signature(options_.secret, delivery.id, timestamp, body));
-  const bool six = target->address.find(':') != std::string::npos;
+  const List headers = signed_headers(options_.secret, delivery, body);
+  const bool six = target.address.find(':') != std::string::npos;
   const List pinned =
-      with(nullptr, target->host + ":" + target->port + ":" + (six ? "[" + target->address + "]" : target->address));
+      with(nullptr, target.host + ":" + target.port + ":" + (six ? "[" + target.address + "]" : target.address));
+  std::size_t taken = 0;
   CURL* const curl = handle.get();
   ::curl_easy_setopt(curl, CURLOPT_URL, delivery.url.c_str());
   ::curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "https");
@@ -138,14 +197,20 @@ Result<int> WebhookSender::post(const Delivery& delivery, const std::string& bod
   ::curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
   ::curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT_MS, kConnectMilliseconds);
   ::curl_easy_setopt(curl, CURLOPT_TIMEOUT_MS, kWholeMilliseconds);
+  ::curl_easy_setopt(curl, CURLOPT_NOPROGRESS, 0L);
+  ::curl_easy_setopt(curl, CURLOPT_XFERINFOFUNCTION, &end_if);
+  ::curl_easy_setopt(curl, CURLOPT_XFERINFODATA, &stopping_);
   ::curl_easy_setopt(curl, CURLOPT_USERAGENT, "surfaced");
   ::curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers.get());
   ::curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(body.size()));
   ::curl_easy_setopt(curl, CURLOPT_POSTFIELDS, body.c_str());
   ::curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, &drop);
+  ::curl_easy_setopt(curl, CURLOPT_WRITEDATA, &taken);
   if (!options_.certificates.empty()) ::curl_easy_setopt(curl, CURLOPT_CAINFO, options_.certificates.c_str());
   const CURLcode code = ::curl_easy_perform(curl);
-  if (code != CURLE_OK) return Error{ErrorCode::internal_error, ::curl_easy_strerror(code)};
+  // It has answered, and goes on with more than anybody reads.
+  const bool cut_short = code == CURLE_WRITE_ERROR && taken > kMostAnswer;
+  if (code != CURLE_OK && !cut_short) return Error{ErrorCode::internal_error, ::curl_easy_strerror(code)};
   long status = 0;
   ::curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &status);
   return static_cast<int>(status);

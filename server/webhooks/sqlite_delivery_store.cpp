@@ -11,6 +11,7 @@ namespace {
 using namespace sqlite;
 
 constexpr std::chrono::milliseconds kPatience{2'000};
+constexpr int kUrlColumn = 2;
 
 Delivery read_delivery(const Query& query) {
   const auto time = [&](int column) {
@@ -18,7 +19,7 @@ Delivery read_delivery(const Query& query) {
   };
   Delivery delivery{query.text(0),
                     query.text(1),
-                    query.text(2),
+                    query.text(kUrlColumn),
                     query.text(3),
                     static_cast<std::uint32_t>(query.number(4)),
                     from_rfc3339(query.text(5)),
@@ -34,15 +35,19 @@ class SqliteDeliveryStore final : public DeliveryStore {
  public:
   explicit SqliteDeliveryStore(const std::filesystem::path& file) : database_(file, kPatience) {}
 
-  Result<std::vector<Delivery>> due(std::size_t most) override {
+  Result<std::vector<Delivery>> due(std::size_t most, const Wanted& wanted) override {
     return guarded([&]() -> Result<std::vector<Delivery>> {
       const std::scoped_lock lock(mutex_);
       const std::string time = to_rfc3339(now());
       Query query(database_,
                   "SELECT id, job, url, status, attempts, created_at, next_at, tried_at, http_status, detail "
-                  "FROM deliveries WHERE status = 'pending' AND next_at <= ? ORDER BY next_at LIMIT ?");
-      query.bind(time).bind(static_cast<std::int64_t>(most));
-      return all(query);
+                  "FROM deliveries WHERE status = 'pending' AND next_at <= ? ORDER BY next_at");
+      query.bind(time);
+      std::vector<Delivery> found;
+      while (found.size() < most && query.step()) {
+        if (wanted(query.text(kUrlColumn))) found.push_back(read_delivery(query));
+      }
+      return found;
     });
   }
 

@@ -66,11 +66,39 @@ test('the end of a job is told, signed, and told again when nobody took it', () 
   }
 }));
 
+test('a slow receiver keeps back its own deliveries, one at a time, and nobody else\'s', { timeout: 120_000 }, () => withServer(['--webhook-private', 'yes'], async (client) => {
+  const open = new Set();
+  let most = 0;
+  const slow = https.createServer({ key: readFileSync(file('key.pem')), cert: readFileSync(file('cert.pem')) }, (request, response) => {
+    open.add(response);
+    most = Math.max(most, open.size);
+    response.on('close', () => open.delete(response));
+  });
+  await new Promise((resolve) => slow.listen(0, '127.0.0.1', resolve));
+  try {
+    const submit = (to) => client.post(`/v1/jobs?method=advancing-front&webhook=${encodeURIComponent(to)}`, sphere(60));
+    for (let i = 0; i < 4; ++i) await submit(`https://127.0.0.1:${slow.address().port}/hook`);
+    await client.until(async () => ({ body: open.size }), (size) => size === 1);
+    const { body } = await submit(url());
+    const told = await delivery(client, body.id, (each) => each.status === 'delivered');
+    assert.equal(told.status, 'delivered');
+    assert.equal(open.size, 1, 'the first one has not ended yet');
+    assert.equal(most, 1, 'at most one at a time');
+  } finally {
+    slow.closeAllConnections();
+    slow.close();
+  }
+}));
+
 test('a private address is not told', () => withServer([], async (client) => {
   const before_ = calls.length;
   const { body } = await client.post(`/v1/jobs?method=advancing-front&webhook=${encodeURIComponent(url())}`, sphere(60));
   const refused = await delivery(client, body.id, (each) => each.attempts > 0);
   assert.equal(refused.status, 'pending');
   assert.match(refused.detail, /not public/);
+  const named = await client.post(`/v1/jobs?method=advancing-front&webhook=${encodeURIComponent('https://localhost/hook')}`, sphere(60));
+  const { detail } = await delivery(client, named.body.id, (each) => each.attempts > 0);
+  assert.match(detail, /localhost/);
+  assert.doesNotMatch(detail, /127\.0|::1/, 'what a name of this network leads to is nobody\'s business');
   assert.equal(calls.length, before_);
 }));

@@ -25,6 +25,10 @@ class CloudsTest : public ::testing::Test {
     clouds_ = open_sqlite_cloud_store(file).value();
     deliveries_ = open_sqlite_delivery_store(file).value();
   }
+  std::vector<Delivery> due_now(
+      std::size_t most, const DeliveryStore::Wanted& wanted = [](const std::string&) { return true; }) {
+    return deliveries_->due(most, wanted).value();
+  }
   static StoredInput cloud(char digit) { return {std::string(64, digit), 7, std::string(64, digit)}; }
   Job submit(const StoredInput& input, const std::string& owner = "", const std::string& webhook = "") {
     NewJob job{random_hex<16>(),        "m", nlohmann::ordered_json::object(), input, {"mesh.glb"}, "r", "",
@@ -184,19 +188,62 @@ TEST_F(CloudsTest, pages_by_any_filter_have_the_jobs_that_a_look_at_each_finds) 
 
 TEST_F(CloudsTest, the_end_of_a_job_stands_in_the_outbox_with_its_state) {
   const Job told = submit({random_hex<16>(), 1, "x"}, "", "https://example.org/hook");
-  EXPECT_THAT(deliveries_->due(10).value(), IsEmpty());
+  EXPECT_THAT(due_now(10), IsEmpty());
   finish(Outcome::method_failed);
   submit({random_hex<16>(), 1, "x"});
   finish(Outcome::done);
-  auto due = deliveries_->due(10).value();
+  auto due = due_now(10);
   ASSERT_EQ(due.size(), 1U);
   EXPECT_EQ(due.front().job, told.id);
   due.front().attempts = 1;
   due.front().next_at = now() + std::chrono::hours(1);
   due.front().detail = "nobody there";
   ASSERT_TRUE(deliveries_->tried(due.front()).ok());
-  EXPECT_THAT(deliveries_->due(10).value(), IsEmpty());
+  EXPECT_THAT(due_now(10), IsEmpty());
   EXPECT_EQ(deliveries_->of_job(told.id).value().front().detail, "nobody there");
+}
+
+TEST_F(CloudsTest, deliveries_that_nobody_waits_for_do_not_stand_in_the_way_of_others) {
+  for (const char* url : {"https://slow.example/a", "https://slow.example/b", "https://quick.example/c"}) {
+    submit({random_hex<16>(), 1, "x"}, "", url);
+    finish(Outcome::done);
+  }
+  const auto due = due_now(1, [](const std::string& url) { return Receivers::name_of(url) != "slow.example"; });
+  ASSERT_EQ(due.size(), 1U);
+  EXPECT_EQ(due.front().url, "https://quick.example/c");
+}
+
+TEST(ReceiversTest, each_has_one_delivery_at_a_time_and_each_address_its_share) {
+  Receivers receivers({4, 2});
+  EXPECT_EQ(Receivers::name_of("https://Hook.Example:443/a?b"), Receivers::name_of("https://hook.example"));
+  EXPECT_NE(Receivers::name_of("https://hook.example:8443/"), Receivers::name_of("https://hook.example/"));
+  for (const char* name : {"a", "b", "c"}) {
+    EXPECT_TRUE(receivers.is_free(name));
+    receivers.take(name);
+    EXPECT_FALSE(receivers.is_free(name));
+  }
+  EXPECT_EQ(receivers.room(), 1U);
+  EXPECT_TRUE(receivers.settle("a", "2001:db8::1"));
+  EXPECT_TRUE(receivers.settle("b", "2001:db8::2"));
+  EXPECT_FALSE(receivers.settle("c", "2001:db8::3")) << "the third name of one network";
+  receivers.leave("c");
+  EXPECT_FALSE(receivers.is_free("c")) << "as long as the others are told";
+  EXPECT_TRUE(receivers.is_free("d"));
+  receivers.leave("a");
+  EXPECT_TRUE(receivers.is_free("a"));
+  EXPECT_TRUE(receivers.is_free("c"));
+  EXPECT_EQ(receivers.room(), 3U);
+}
+
+TEST(WebhookTest, nobody_learns_which_names_there_are_here) {
+  const std::string inside = resolve_target("https://localhost/", false).error().detail;
+  // A label of 64 characters is asked of nobody.
+  const std::string unknown = std::string(64, 'a') + ".invalid";
+  const std::string nowhere = resolve_target("https://" + unknown + "/", false).error().detail;
+  const auto without = [](std::string text, const std::string& name) {
+    return text.erase(text.find(name), name.size());
+  };
+  EXPECT_EQ(without(inside, "localhost"), without(nowhere, unknown));
 }
 
 TEST(WebhookTest, only_addresses_that_the_internet_routes_are_public) {
