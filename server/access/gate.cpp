@@ -5,6 +5,7 @@
 #include <array>
 #include <iostream>
 
+#include "access/client_address.hpp"
 #include "http/problem.hpp"
 
 namespace surfaced {
@@ -16,10 +17,10 @@ using http::Response;
 constexpr std::chrono::seconds kLookAgain{1};
 
 /// What is open to everybody: probes, the contract, and what the methods are.
-constexpr auto kOpen =
-    std::to_array<std::string_view>({"/", "/healthz", "/readyz", "/openapi.json", "/openapi-3.0.json", "/docs",
-                                     "/assets/{name}", "/samples", "/samples/{name}", "/licenses", "/conformance",
-                                     "/v1/methods", "/v1/methods/{id}", "/processes", "/processes/{id}"});
+constexpr auto kOpen = std::to_array<std::string_view>(
+    {"/", "/healthz", "/readyz", "/openapi.json", "/openapi-3.0.json", "/docs", "/docs.css", "/docs.js",
+     "/assets/{name}", "/samples", "/samples/{name}", "/licenses", "/conformance", "/v1/methods", "/v1/methods/{id}",
+     "/processes", "/processes/{id}"});
 
 /// Where something of the caller's is stored or queued.
 bool takes_space(const Request& request, std::string_view route) {
@@ -34,44 +35,17 @@ bool is_open(const Request& request, std::string_view route) {
   return request.method == "OPTIONS" || std::ranges::find(kOpen, route) != kOpen.end();
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
-}
-
-/// The address of the client: that of the connection, or what the trusted proxies before it say, from the last on.
-std::string client_address(const Request& request, const std::vector<std::string>& trusted) {
-  const auto is_trusted = [&](std::string_view address) {
-    return std::ranges::find(trusted, address) != trusted.end();
-  };
-  std::string address = request.remote_address;
-  if (!is_trusted(address)) return address;
-  std::string_view list = request.headers.find("X-Forwarded-For").value_or("");
-  while (!list.empty() && is_trusted(address)) {
-    const std::size_t comma = list.rfind(',');
-    const std::string_view last = trimmed(comma == list.npos ? list : list.substr(comma + 1));
-    list = comma == list.npos ? std::string_view() : list.substr(0, comma);
-    if (last.empty() || last.size() > 64) break;
-    address = last;
-  }
-  return address;
-}
-
 std::string bearer_of(const Request& request) {
   const std::string_view value = request.headers.find("Authorization").value_or("");
   constexpr std::string_view kScheme = "Bearer ";
   if (value.size() > kScheme.size() && http::same_name(value.substr(0, kScheme.size()), kScheme)) {
-    return std::string(trimmed(value.substr(kScheme.size())));
+    const std::string_view text = value.substr(kScheme.size());
+    return std::string(text.substr(std::min(text.find_first_not_of(' '), text.size())));
   }
   return std::string(request.headers.find("X-Api-Key").value_or(""));
 }
 
 }  // namespace
-
-bool is_loopback(std::string_view host) {
-  return host.starts_with("127.") || host == "::1" || host == "localhost" || host.starts_with("::ffff:127.");
-}
 
 Status Gate::open() {
   if (rules_.keys.empty()) return Done{};
@@ -103,11 +77,15 @@ std::shared_ptr<const KeyRing> Gate::ring() {
 }
 
 std::optional<Response> Gate::refuse(Request& request, std::string_view route) {
-  request.remote_address = client_address(request, rules_.trusted_proxies);
+  request.remote_address = client_address(request.remote_address, request.headers, rules_.trusted_proxies);
+  if (rules_.browsers) {
+    if (const auto error = rules_.browsers->refuse(request)) return http::problem_response(*error, request);
+  }
   if (is_open(request, route)) return std::nullopt;
   if (!rules_.keys.empty()) return check_key(request, route);
   if (is_loopback(request.remote_address)) return std::nullopt;
-  return check_pace(request, route, request.remote_address, rules_.requests_per_minute, rules_.submissions_per_minute);
+  return check_pace(request, route, client_group(request.remote_address), rules_.requests_per_minute,
+                    rules_.submissions_per_minute);
 }
 
 std::optional<Response> Gate::check_key(Request& request, std::string_view route) {

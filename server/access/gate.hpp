@@ -9,10 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "access/browser_guard.hpp"
 #include "access/keys.hpp"
 #include "access/pace.hpp"
 #include "http/router.hpp"
 #include "jobs/job_store.hpp"
+#include "platform/network.hpp"
 #include "uploads/upload_store.hpp"
 
 namespace surfaced {
@@ -25,10 +27,12 @@ struct GateRules {
   std::uint64_t requests_per_minute = 0;
   /// Of these, clouds, uploads and jobs that are sent; 0 for no limit of their own.
   std::uint64_t submissions_per_minute = 0;
-  /// Addresses whose X-Forwarded-For is believed.
-  std::vector<std::string> trusted_proxies;
+  /// Those whose X-Forwarded-For is believed.
+  std::vector<Network> trusted_proxies;
   /// Origins whose pages may call; `*` for all. Empty: none.
   std::vector<std::string> cors_origins;
+  /// Of a server that only this machine can reach and that asks for no key; none for any other.
+  std::optional<BrowserGuard> browsers;
 };
 
 /// Stands before every handler, behind the routing: finds the caller by his key, counts his requests, holds him to his
@@ -69,8 +73,5 @@ class Gate final : public http::Gate {
   std::chrono::steady_clock::time_point looked_;
   std::filesystem::file_time_type changed_;
 };
-
-/// True for 127.0.0.0/8, ::1 and localhost.
-bool is_loopback(std::string_view host);
 
 }  // namespace surfaced

@@ -5,6 +5,7 @@
 
 #include "api/job_json.hpp"
 #include "http/problem.hpp"
+#include "http/server.hpp"
 #include "observability/log.hpp"
 #include "worker/side_main.hpp"
 
@@ -27,6 +28,19 @@ Result<std::string> read_secret(const std::filesystem::path& file) {
   return Error{ErrorCode::invalid_usage, "--webhook-secret " + file.string() +
                                              " is no file whose first line has at least " +
                                              std::to_string(kShortestSecret) + " characters"};
+}
+
+/// Checked with the configuration.
+std::vector<Network> proxies_in(const Settings& settings) {
+  auto networks = networks_in(settings.trusted_proxies);
+  return networks ? std::move(*networks) : std::vector<Network>();
+}
+
+/// For a server that trusts its own machine.
+std::optional<BrowserGuard> browser_guard(const Settings& settings) {
+  const auto address = http::parse_address(settings.listen);
+  if (!settings.keys.empty() || !address || !is_loopback(address->host)) return std::nullopt;
+  return BrowserGuard(api::split_list(settings.allowed_hosts), api::split_list(settings.cors_origins));
 }
 
 }  // namespace
@@ -78,8 +92,8 @@ Doors::Doors(const Ground& ground, const Settings& settings, std::unique_ptr<Clo
       clouds_(*cloud_store_, ground.artifacts, inspector_),
       renditions_(ground.jobs, ground.artifacts, converting_),
       service_(ground.jobs, ground.artifacts, clouds_, renditions_, ground.events, ground.scheduler),
-      gate_({settings.keys, settings.rate_limit, settings.submission_rate_limit,
-             api::split_list(settings.trusted_proxies), api::split_list(settings.cors_origins)},
+      gate_({settings.keys, settings.rate_limit, settings.submission_rate_limit, proxies_in(settings),
+             api::split_list(settings.cors_origins), browser_guard(settings)},
             ground.jobs, *uploads_) {}
 
 void Doors::hang(http::Router& router, std::function<std::string()> metrics) {

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "platform/machine.hpp"
+#include "platform/network.hpp"
 
 namespace surfaced {
 namespace {
@@ -111,6 +112,12 @@ void check_streams(Configuration& configuration) {
                                    std::to_string(left));
 }
 
+/// An entry that is no address would be trusted by nobody, in silence.
+void check_proxies(Configuration& configuration) {
+  const auto networks = networks_in(configuration.settings.trusted_proxies);
+  if (!networks) configuration.problems.push_back("trusted-proxies has " + networks.error().detail);
+}
+
 void check_together(Configuration& configuration) {
   const Settings& settings = configuration.settings;
   if (settings.data.empty())
@@ -126,6 +133,7 @@ void check_together(Configuration& configuration) {
                                      std::to_string(settings.http_threads));
   }
   check_streams(configuration);
+  check_proxies(configuration);
 }
 
 std::string text_of_bytes(std::uint64_t bytes) { return std::to_string(bytes >> 20) + " MiB"; }

@@ -88,8 +88,13 @@ const auto kTable = std::to_array<Setting>({
      "Of these, clouds, uploads and jobs that are sent; 0: no limit of their own", &S::submission_rate_limit},
     {"cors-origins", SettingUnit::text, "", 0, 0, "Origins whose pages may call, separated by commas, or *; none: none",
      &S::cors_origins},
-    {"trusted-proxies", SettingUnit::text, "", 0, 0, "Addresses whose X-Forwarded-For is believed, separated by commas",
-     &S::trusted_proxies},
+    {"trusted-proxies", SettingUnit::text, "", 0, 0,
+     "Addresses and networks (10.0.0.0/8) whose X-Forwarded-For is believed, separated by commas", &S::trusted_proxies},
+    {"allowed-hosts", SettingUnit::text, "", 0, 0,
+     "On loopback without keys: names besides localhost under which browsers may call, separated by commas; *: any, "
+     "and "
+     "pages of other sites too",
+     &S::allowed_hosts},
     {"upload-time", SettingUnit::seconds, "", 1, 30 * kDay, "Time that an upload is kept without progress",
      &S::upload_time},
     {"cloud-time", SettingUnit::seconds, "", 0, 3650 * kDay,

@@ -62,6 +62,8 @@ struct Settings {
   std::string cors_origins;
   /// Separated by commas.
   std::string trusted_proxies;
+  /// Separated by commas; * for all.
+  std::string allowed_hosts;
   std::uint64_t upload_time = std::uint64_t{24} * 3600;
   std::uint64_t cloud_time = std::uint64_t{30} * 24 * 3600;
   /// Empty: no webhooks.

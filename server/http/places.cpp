@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "http/places.hpp"
 
+#include "platform/network.hpp"
+
 namespace surfaced::http {
 
-Result<Places::Place> Places::take(const std::string& client) {
+Result<Places::Place> Places::take(const std::string& asking) {
+  const std::string client = client_group(asking);
   const std::scoped_lock lock(mutex_);
   if (taken_ >= total_) {
     return Error{ErrorCode::not_ready,
                  std::to_string(taken_) + " " + what_ + ", the limit is " + std::to_string(total_)};
   }
-  const bool loopback = client == "::1" || client.starts_with("127.") || client.starts_with("::ffff:127.");
   const auto found = by_client_.find(client);
-  if (per_client_ > 0 && !loopback && found != by_client_.end() && found->second >= per_client_) {
+  if (per_client_ > 0 && !is_loopback(client) && found != by_client_.end() && found->second >= per_client_) {
     return Error{ErrorCode::too_many_requests, std::to_string(found->second) + " " + what_ + " for " + client +
                                                    ", the limit is " + std::to_string(per_client_)};
   }

@@ -41,9 +41,10 @@ class Places {
     std::string client_;
   };
 
-  /// @param client  its address, or the id of its key
+  /// @param asking  the client's address (client_group in platform/network.hpp counts it with others), or the id of its
+  /// key
   /// @return  not_ready if all places are taken, too_many_requests if the client has all it may have
-  Result<Place> take(const std::string& client);
+  Result<Place> take(const std::string& asking);
 
  private:
   void leave(const std::string& client);

@@ -5,10 +5,16 @@
 #include <cctype>
 #include <charconv>
 
+#include "platform/network.hpp"
+
 namespace surfaced::http {
 namespace {
 
 constexpr std::size_t kMaxFields = 100;
+/// Pairs of a query; no method has as many parameters.
+constexpr std::size_t kMaxPairs = 200;
+constexpr std::size_t kLongestHost = 255;
+constexpr unsigned kLastPort = 65535;
 
 Error refuse(std::string detail) { return {ErrorCode::invalid_request, std::move(detail)}; }
 
@@ -43,7 +49,36 @@ std::size_t sequence_length(unsigned char first) {
   return first >= 0xF0 && first < 0xF5 ? 4 : 0;
 }
 
-Status read_request_line(std::string_view line, RequestHead& head) {
+/// Takes the next entry off a list that commas separate.
+std::string_view take_entry(std::string_view& list) {
+  const std::string_view entry = list.substr(0, list.find(','));
+  list.remove_prefix(std::min(list.size(), entry.size() + 1));
+  return trim(entry);
+}
+
+bool names_close(const Headers& headers) {
+  for (const auto& [name, value] : headers) {
+    if (!same_name(name, "Connection")) continue;
+    for (std::string_view list = value; !list.empty();) {
+      if (same_name(take_entry(list), "close")) return true;
+    }
+  }
+  return false;
+}
+
+/// Takes http://host:port off a target in absolute form (RFC 9112 §3.2.2), and keeps it as the host that is meant.
+std::string_view without_authority(std::string_view target, std::string& authority) {
+  for (const std::string_view scheme : {"http://", "https://"}) {
+    if (!same_name(target.substr(0, scheme.size()), scheme)) continue;
+    target.remove_prefix(scheme.size());
+    const std::size_t end = std::min(target.find_first_of("/?#"), target.size());
+    authority = target.substr(0, end);
+    return target.substr(end);
+  }
+  return target;
+}
+
+Status read_request_line(std::string_view line, RequestHead& head, std::string& authority) {
   const std::size_t first = line.find(' ');
   const std::size_t last = line.rfind(' ');
   if (first == line.npos || first == last) return refuse("the request line is not 'METHOD target HTTP/1.1'");
@@ -52,14 +87,19 @@ Status read_request_line(std::string_view line, RequestHead& head) {
   const std::string_view version = line.substr(last + 1);
   if (!is_token(method) || method.size() > 32) return refuse("the request method is not a word of HTTP");
   if (version != "HTTP/1.1" && version != "HTTP/1.0") return refuse("the version is not HTTP/1.1 or HTTP/1.0");
-  if (!target.starts_with('/') || std::ranges::any_of(target, [](char c) { return is_control(c) || c == ' '; })) {
-    return refuse("the request target is not a path that begins with /");
+  std::string_view rest = without_authority(target, authority);
+  const bool absolute = rest.size() != target.size();
+  if (absolute && !is_host(authority)) return refuse("the request target names no host");
+  if (!(absolute || rest.starts_with('/')) ||
+      std::ranges::any_of(rest, [](char c) { return is_control(c) || c == ' '; })) {
+    return refuse("the request target is neither a path that begins with / nor a URL");
   }
-  const std::string_view without_fragment = target.substr(0, target.find('#'));
-  const std::size_t mark = without_fragment.find('?');
+  rest = rest.substr(0, rest.find('#'));
+  const std::size_t mark = rest.find('?');
   head.method = method;
-  head.path = without_fragment.substr(0, mark);
-  head.query = mark == target.npos ? std::string_view() : without_fragment.substr(mark + 1);
+  head.path = rest.substr(0, mark);
+  if (head.path.empty()) head.path = "/";
+  head.query = mark == rest.npos ? std::string_view() : rest.substr(mark + 1);
   head.close = version == "HTTP/1.0";
   return Done{};
 }
@@ -123,15 +163,19 @@ bool is_utf8(std::string_view text) {
 
 Result<RequestHead> parse_head(std::string_view text) {
   RequestHead head;
-  if (Status read = read_request_line(take_line(text), head); !read.ok()) return read.error();
+  std::string authority;
+  if (Status read = read_request_line(take_line(text), head, authority); !read.ok()) return read.error();
   if (Status read = read_fields(text, head); !read.ok()) return read.error();
   if (head.headers.count("Host") > 1 || (!head.close && head.headers.count("Host") == 0)) {
     return refuse("a request of HTTP/1.1 has one Host header");
   }
-  if (Status read = read_framing(head); !read.ok()) return read.error();
-  if (const auto connection = head.headers.find("Connection"); connection && same_name(*connection, "close")) {
-    head.close = true;
+  if (const auto host = head.headers.find("Host"); host && !is_host(*host)) {
+    return refuse("the Host header is not a host, or a host and a port: " + std::string(host->substr(0, 40)));
   }
+  // The host of the target counts, whatever the header says.
+  if (!authority.empty()) head.headers.set("Host", std::move(authority));
+  if (Status read = read_framing(head); !read.ok()) return read.error();
+  head.close |= names_close(head.headers);
   const auto expect = head.headers.find("Expect");
   head.expects_continue = expect && same_name(*expect, "100-continue");
   return head;
@@ -176,12 +220,34 @@ Result<std::string> percent_decode(std::string_view text, bool plus_is_space) {
   return decoded;
 }
 
+bool is_host(std::string_view text) {
+  std::string_view port;
+  if (text.starts_with('[')) {
+    const std::size_t end = text.find(']');
+    if (end == text.npos || !is_ip_address(text.substr(1, end - 1)) || text.find(':') > end) return false;
+    port = text.substr(end + 1);
+  } else {
+    const std::string_view name = text.substr(0, text.find(':'));
+    port = text.substr(name.size());
+    const bool clean = std::ranges::all_of(name, [](char c) {
+      return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '.' ||
+             c == '_';
+    });
+    if (name.empty() || name.size() > kLongestHost || !clean) return false;
+  }
+  if (port.empty() || port == ":") return true;
+  unsigned number = 0;
+  const auto [end, failed] = std::from_chars(port.data() + 1, port.data() + port.size(), number);
+  return port.front() == ':' && failed == std::errc() && end == port.data() + port.size() && number <= kLastPort;
+}
+
 Result<Query> parse_query(std::string_view text) {
   Query query;
   while (!text.empty()) {
     const std::string_view pair = text.substr(0, text.find('&'));
     text.remove_prefix(std::min(text.size(), pair.size() + 1));
     if (pair.empty()) continue;
+    if (query.size() == kMaxPairs) return refuse("the query has more than " + std::to_string(kMaxPairs) + " names");
     const std::size_t equals = pair.find('=');
     auto name = percent_decode(pair.substr(0, equals), true);
     if (!name) return name.error();

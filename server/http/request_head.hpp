@@ -22,7 +22,7 @@ using Framing = std::variant<NoBody, LengthBody, ChunkedBody>;
 /// Request line and header fields.
 struct RequestHead {
   std::string method;
-  /// Path and query as they were sent.
+  /// Path and query as they were sent; a target in absolute form has had its host put into the Host header.
   std::string path;
   std::string query;
   Headers headers;
@@ -49,7 +49,11 @@ std::string percent_encode(std::string_view text);
 /// As Unicode defines it: no overlong forms, no surrogates, nothing above U+10FFFF.
 bool is_utf8(std::string_view text);
 
-/// Decodes a=b&c=d.
+/// True for what a Host header may say: a name of letters, digits, -, . and _, or an address (IPv6 in brackets), and
+/// perhaps a port.
+bool is_host(std::string_view text);
+
+/// Decodes a=b&c=d. invalid_request for more than 200 names.
 Result<Query> parse_query(std::string_view text);
 
 }  // namespace surfaced::http

@@ -37,6 +37,26 @@ class LimitsTest : public ::testing::Test {
   std::optional<testing::ServerProcess> server_;
 };
 
+TEST_F(LimitsTest, a_line_of_its_own_before_that_of_the_proxy_makes_no_client_local) {
+  serve({"--rate-limit", "3"});
+  const testing::Fields both = {{"X-Forwarded-For", "127.0.0.1"}, {"X-Forwarded-For", "203.0.113.5"}};
+  int taken = 0;
+  while (taken < 50 && call(server_->port(), "GET", "/v1/jobs", {}, both).status == 200) ++taken;
+  EXPECT_GE(taken, 3);
+  EXPECT_LT(taken, 50);
+}
+
+TEST_F(LimitsTest, addresses_of_one_customer_of_ipv6_count_together) {
+  serve({"--rate-limit", "3"});
+  int taken = 0;
+  const auto ask = [&] {
+    return call(server_->port(), "GET", "/v1/jobs", {}, from("2001:db8:1:2::" + std::to_string(taken))).status;
+  };
+  while (taken < 50 && ask() == 200) ++taken;
+  EXPECT_LT(taken, 50);
+  EXPECT_EQ(call(server_->port(), "GET", "/v1/jobs", {}, from("2001:db8:1:3::1")).status, 200);
+}
+
 TEST_F(LimitsTest, who_submits_too_fast_is_told_when_to_come_back_and_may_still_ask) {
   serve({"--submission-rate-limit", "3", "--rate-limit", "10"});
   const auto client = from("203.0.113.5");

@@ -33,6 +33,9 @@ TEST(RequestHeadTest, takes_line_fields_and_length_apart) {
 TEST(RequestHeadTest, knows_when_the_connection_ends_and_when_a_client_waits) {
   EXPECT_TRUE(parsed("GET / HTTP/1.0\r\n\r\n").close);
   EXPECT_TRUE(parsed("GET / HTTP/1.1\r\nHost: h\r\nConnection: CLOSE\r\n\r\n").close);
+  EXPECT_TRUE(parsed("GET / HTTP/1.1\r\nHost: h\r\nConnection: keep-alive, close\r\n\r\n").close);
+  EXPECT_TRUE(parsed("GET / HTTP/1.1\r\nHost: h\r\nConnection: TE\r\nConnection: x ,\tClose\r\n\r\n").close);
+  EXPECT_FALSE(parsed("GET / HTTP/1.1\r\nHost: h\r\nConnection: keep-alive, closed\r\n\r\n").close);
   EXPECT_TRUE(parsed("POST / HTTP/1.1\r\nHost: h\r\nExpect: 100-Continue\r\n\r\n").expects_continue);
 }
 
@@ -54,10 +57,42 @@ TEST(RequestHeadTest, refuses_what_two_readers_could_understand_differently) {
   EXPECT_TRUE(refused("POST / HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n"));
   EXPECT_TRUE(refused("GET / HTTP/1.1\r\n\r\n"));
   EXPECT_TRUE(refused("GET /a b HTTP/1.1\r\nHost: h\r\n\r\n"));
-  EXPECT_TRUE(refused("GET http://h/ HTTP/1.1\r\nHost: h\r\n\r\n"));
   EXPECT_TRUE(refused("GET / HTTP/2\r\nHost: h\r\n\r\n"));
   EXPECT_TRUE(refused("GET /\r\n\r\n"));
   EXPECT_TRUE(refused("\r\n\r\n"));
+}
+
+TEST(RequestHeadTest, takes_a_target_in_absolute_form_whose_host_counts) {
+  const auto asked = [](const std::string& target) {
+    return parsed("GET " + target + " HTTP/1.1\r\nHost: other\r\n\r\n");
+  };
+  const RequestHead head = asked("http://mesh.example:8080/v1/jobs?a=1&b#c");
+  EXPECT_EQ(head.path, "/v1/jobs");
+  EXPECT_EQ(head.query, "a=1&b");
+  EXPECT_EQ(head.headers.find("Host"), "mesh.example:8080");
+  EXPECT_EQ(head.headers.count("Host"), 1U);
+  EXPECT_EQ(asked("HTTPS://h").path, "/");
+  EXPECT_EQ(asked("http://h?a").query, "a");
+  EXPECT_EQ(asked("http://h/a/http://b").path, "/a/http://b");
+  EXPECT_EQ(asked("/http://b/").path, "/http://b/");
+  for (const char* target : {"http:///", "http://", "http://user@h/", "http://h:x/", "ftp://h/", "http:/h/", "h:80",
+                             "*", "http://a b/", "http://h\\@evil/"}) {
+    EXPECT_TRUE(refused(std::string("GET ") + target + " HTTP/1.1\r\nHost: h\r\n\r\n")) << target;
+  }
+}
+
+TEST(RequestHeadTest, takes_hosts_and_refuses_what_is_none) {
+  for (const char* host :
+       {"h", "mesh.example", "a_b-c.d", "127.0.0.1:80", "[::1]", "[2001:db8::1]:8080", "h:", "h:65535"}) {
+    EXPECT_TRUE(parse_head(std::string("GET / HTTP/1.1\r\nHost: ") + host + "\r\n\r\n").ok()) << host;
+  }
+  for (const char* host :
+       {"",     "a b", "a/b",  "a@b",    "a,b", "a?b",         "a#b", "<a>",      "h:80:81", "h:65536", "h:-1",
+        "h:8o", ":80", "[::1", "[::1]x", "[h]", "[127.0.0.1]", "::1", "http://h", "h\\",     "\xC3\xA4"}) {
+    EXPECT_TRUE(refused(std::string("GET / HTTP/1.1\r\nHost: ") + host + "\r\n\r\n")) << host;
+    EXPECT_TRUE(refused(std::string("GET / HTTP/1.0\r\nHost: ") + host + "\r\n\r\n")) << host;
+  }
+  EXPECT_TRUE(refused("GET / HTTP/1.1\r\nHost: " + std::string(256, 'h') + "\r\n\r\n"));
 }
 
 TEST(RequestHeadTest, counts_header_fields) {
@@ -74,6 +109,13 @@ TEST(QueryTest, is_decoded_in_its_order) {
   EXPECT_EQ(query[3].second, "");
   EXPECT_EQ(query[4].first, "\xC3\xA4");
   EXPECT_EQ(query[4].second, "&");
+}
+
+TEST(QueryTest, has_at_most_200_names) {
+  std::string text;
+  for (int i = 0; i < 200; ++i) text += "a&&";
+  EXPECT_TRUE(parse_query(text).ok());
+  EXPECT_EQ(parse_query(text + "b").error().code, ErrorCode::invalid_request);
 }
 
 TEST(QueryTest, broken_escapes_nul_and_bytes_that_are_no_utf8_are_refused) {
