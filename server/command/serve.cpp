@@ -270,6 +270,8 @@ class Service {
     const http::ServerState state = server_->state();
     gauges.connections = state.connections;
     gauges.connections_turned_away = state.turned_away;
+    gauges.unsent_bytes = state.unsent_bytes;
+    gauges.connections_cut_off = state.cut_off;
     gauges.free_bytes = artifacts_->free_bytes();
     gauges.resident_bytes = resident_memory();
     gauges.ready = doors_->service().ready().ok();

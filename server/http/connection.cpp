@@ -3,9 +3,11 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <linux/sockios.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -23,8 +25,11 @@ constexpr std::string_view kHeadEnd = "\r\n\r\n";
 constexpr std::size_t kReadBytes = 16384;
 /// What is taken and dropped before a close.
 constexpr std::chrono::milliseconds kLingerTime{2000};
+constexpr std::chrono::milliseconds kFirstLook{20};
+constexpr std::chrono::milliseconds kLongestLook{1000};
 constexpr std::uint64_t kLingerBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kTurnBytes = std::uint64_t{1} << 20;
+constexpr int kMostNotSent = 16 << 10;
 
 }  // namespace
 
@@ -34,6 +39,8 @@ Connection::Connection(UniqueFd fd, const ConnectionLimits& limits, const Tls* t
   const int on = 1;
   // Answers are written head first, body after: without this the body waits for an acknowledgement.
   ::setsockopt(fd_.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  // The kernel takes no more than this beyond what is on its way, so that a client that takes nothing holds little.
+  ::setsockopt(fd_.get(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kMostNotSent, sizeof kMostNotSent);
   if (tls != nullptr) tls_.emplace(*tls, fd_.get());
 }
 
@@ -70,7 +77,8 @@ bool Connection::wait(short events, Clock::time_point deadline) {
 std::ptrdiff_t Connection::fill() {
   buffer_.erase(0, used_);
   used_ = 0;
-  std::array<char, kReadBytes> bytes{};
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written before it is read; clearing it costs more than recv
+  std::array<char, kReadBytes> bytes;
   for (;;) {
     const std::ptrdiff_t count =
         tls_ ? tls_->receive(bytes.data(), bytes.size()) : ::recv(fd_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
@@ -124,8 +132,16 @@ std::optional<Error> Connection::head_overdue() const {
 void Connection::expect_head() {
   too_slow_ = false;
   head_begun_ = false;
+  waited_for_taking_ = false;
   searched_ = 0;
   head_deadline_ = Clock::now() + limits_.idle_time;
+}
+
+bool Connection::wait_for_taking() {
+  if (head_begun_ || waited_for_taking_ || queued() == 0) return false;
+  waited_for_taking_ = true;
+  head_deadline_ = Clock::now() + limits_.body_grace;
+  return true;
 }
 
 void Connection::begin_transfer() {
@@ -151,19 +167,34 @@ std::ptrdiff_t Connection::read(char* bytes, std::size_t size) {
   return static_cast<std::ptrdiff_t>(count);
 }
 
+void Connection::note_sent(std::ptrdiff_t count) {
+  transferred_ += static_cast<std::uint64_t>(count);
+  handed_over_ += static_cast<std::uint64_t>(count);
+}
+
 std::ptrdiff_t Connection::try_send(const char* bytes, std::size_t size) {
   if (tls_) {
     const std::ptrdiff_t count = tls_->send(bytes, size);
-    if (count > 0) transferred_ += static_cast<std::uint64_t>(count);
+    if (count > 0) note_sent(count);
     return count;
   }
   for (;;) {
     const ssize_t count = ::send(fd_.get(), bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return errno == EAGAIN ? 0 : -1;
-    transferred_ += static_cast<std::uint64_t>(count);
+    note_sent(count);
     return count;
   }
+}
+
+std::uint64_t Connection::queued() const {
+  int bytes = 0;
+  return ::ioctl(fd_.get(), SIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::uint64_t>(bytes) : 0;
+}
+
+void Connection::give_up() const {
+  const linger at_once{1, 0};
+  ::setsockopt(fd_.get(), SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
 }
 
 bool Connection::write(std::string_view bytes) {
@@ -179,6 +210,21 @@ void Connection::begin_linger() {
   if (tls_) tls_->end();
   ::shutdown(fd_.get(), SHUT_WR);
   linger_deadline_ = Clock::now() + kLingerTime;
+}
+
+void Connection::begin_last_taking() {
+  begin_linger();
+  taking_deadline_ = Clock::now() + limits_.body_grace;
+  until_look_ = kFirstLook;
+  linger_deadline_ = Clock::now() + until_look_;
+}
+
+bool Connection::is_still_taking() {
+  const auto time = Clock::now();
+  if (time >= taking_deadline_ || queued() == 0) return false;
+  until_look_ = std::min(2 * until_look_, kLongestLook);
+  linger_deadline_ = std::min(taking_deadline_, time + until_look_);
+  return true;
 }
 
 bool Connection::drop_arrived() {

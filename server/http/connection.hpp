@@ -62,6 +62,9 @@ class Connection {
   std::optional<Error> head_overdue() const;
   /// An answer has been written: the next head is waited for from now.
   void expect_head();
+  /// The client still has to take what the kernel holds of the answer before, and has `body_grace` for it, once. False
+  /// if there is nothing to take, or that time is over.
+  bool wait_for_taking();
 
   /// Reads up to `size` bytes that follow the head; 0 at the end of the stream, -1 when the client is
   /// too slow or gone.
@@ -74,6 +77,14 @@ class Connection {
   /// Writes what the socket takes now; -1 when the client is gone.
   std::ptrdiff_t try_send(const char* bytes, std::size_t size);
 
+  /// Bytes that the kernel holds for the client: sent and not yet confirmed, or not yet sent.
+  std::uint64_t queued() const;
+  /// Bytes that have been handed to the kernel, since the connection began.
+  std::uint64_t handed_over() const { return handed_over_; }
+  /// The close to come is at once: what the client has not taken is thrown away, or the kernel would keep it for
+  /// minutes.
+  void give_up() const;
+
   /// A body, or a response, begins: its pace counts from now.
   void begin_transfer();
   /// When the client has to have taken or sent more than it has.
@@ -84,6 +95,11 @@ class Connection {
   /// No answer follows; what the client still sends is to be dropped for a while, so that it sees the answer
   /// before the reset.
   void begin_linger();
+  /// The same for a client that has sent nothing more, but has not taken all of the answer yet: it has `body_grace`.
+  void begin_last_taking();
+  /// At the deadline: whether it is still taking, and is looked at again later. The kernel tells nobody that it is
+  /// done.
+  bool is_still_taking();
   Clock::time_point linger_deadline() const { return linger_deadline_; }
   /// False once nothing more is to be waited for.
   bool drop_arrived();
@@ -96,6 +112,7 @@ class Connection {
   /// Reads into the buffer what is there: the number of bytes, 0 at the end, -1 if nothing is there now.
   std::ptrdiff_t fill();
   std::optional<Error> head_too_large() const;
+  void note_sent(std::ptrdiff_t count);
 
   UniqueFd fd_;
   // Ends before the descriptor does.
@@ -106,10 +123,15 @@ class Connection {
   // Of the head that is on its way: up to here there is no empty line.
   std::size_t searched_ = 0;
   bool head_begun_ = false;
+  bool waited_for_taking_ = false;
   Clock::time_point head_deadline_;
   Clock::time_point transfer_began_;
   Clock::time_point linger_deadline_;
+  // Of the last taking: when it has to be over, and how long it is until the next look.
+  Clock::time_point taking_deadline_;
+  std::chrono::milliseconds until_look_{0};
   std::uint64_t transferred_ = 0;
+  std::uint64_t handed_over_ = 0;
   std::uint64_t dropped_ = 0;
   bool too_slow_ = false;
 };

@@ -23,6 +23,8 @@ constexpr int kAcceptedAtOnce = 64;
 /// When descriptors run out, accepting again at once would only spin.
 constexpr int kPauseWithoutDescriptors = 50;
 constexpr int kLongestSleep = 60'000;
+/// While clients have more of their answers to take than they should.
+constexpr int kPauseWhileShort = 100;
 
 void watch(int epoll, int fd, std::uint32_t events, std::uint64_t id) {
   epoll_event event{};
@@ -50,7 +52,8 @@ Lobby::Lobby(int listener, const Options& options, Ready ready)
       next_id_(kFirstSession),
       listener_(listener),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
-      bell_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+      bell_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      unsent_(options.unsent) {
   watch(epoll_.get(), bell_.get(), EPOLLIN, kBell);
   watch(epoll_.get(), listener_, EPOLLIN, kListener);
 }
@@ -122,15 +125,17 @@ void Lobby::run() {
       }
     }
     end_overdue();
+    end_those_who_take_nothing();
   }
 }
 
 int Lobby::wait_milliseconds() const {
   if (full_of_descriptors_) return kPauseWithoutDescriptors;
-  if (deadlines_.empty()) return kLongestSleep;
+  const int longest = unsent_.is_short() ? kPauseWhileShort : kLongestSleep;
+  if (deadlines_.empty()) return longest;
   const auto left = deadlines_.begin()->first - Session::Clock::now();
   const auto milliseconds = std::chrono::ceil<std::chrono::milliseconds>(left).count();
-  return static_cast<int>(std::clamp<std::int64_t>(milliseconds, 0, kLongestSleep));
+  return static_cast<int>(std::clamp<std::int64_t>(milliseconds, 0, longest));
 }
 
 void Lobby::take_mail() {
@@ -208,7 +213,9 @@ void Lobby::admit(UniqueFd client) {
 
 bool Lobby::make_room() {
   for (const auto& [deadline, id] : deadlines_) {
-    if (!guests_.at(id).session->before_request()) continue;
+    const Session& session = *guests_.at(id).session;
+    if (!session.before_request() && !session.lingers()) continue;
+    session.give_up();
     unseat(id);
     ++turned_away_;
     return true;
@@ -221,6 +228,7 @@ void Lobby::seat(std::unique_ptr<Session> session) {
   const auto deadline = session->deadline();
   watch(epoll_.get(), session->descriptor(), session->events(), id);
   deadlines_.emplace(deadline, id);
+  unsent_.note(id, session->share(), Session::Clock::now());
   guests_.emplace(id, Guest{std::move(session), deadline});
 }
 
@@ -228,6 +236,7 @@ std::unique_ptr<Session> Lobby::unseat(std::uint64_t id) {
   const auto found = guests_.find(id);
   std::unique_ptr<Session> session = std::move(found->second.session);
   deadlines_.erase({found->second.deadline, id});
+  unsent_.forget(id);
   guests_.erase(found);
   ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, session->descriptor(), nullptr);
   return session;
@@ -254,6 +263,21 @@ void Lobby::follow(std::uint64_t id, Session::Step step) {
   event.events = guest.session->events();
   event.data.u64 = id;
   ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, guest.session->descriptor(), &event);
+  unsent_.note(id, guest.session->share(), Session::Clock::now());
+}
+
+void Lobby::end_those_who_take_nothing() {
+  const auto time = Session::Clock::now();
+  while (const auto id = unsent_.overdue(time)) {
+    const Session& session = *guests_.at(*id).session;
+    // It may have taken something of what the kernel holds, of which nobody is told.
+    unsent_.note(*id, session.share(), time);
+    if (unsent_.overdue(time) != id) continue;
+    session.give_up();
+    unseat(*id);
+    ++cut_off_;
+  }
+  unsent_bytes_ = unsent_.bytes();
 }
 
 void Lobby::end_overdue() {

@@ -29,6 +29,7 @@ class Lobby {
     ConnectionLimits connection;
     std::size_t connections = 2000;
     std::size_t requests = 1000;
+    Unsent::Limits unsent;
     /// None for plain HTTP.
     const Tls* tls = nullptr;
   };
@@ -55,6 +56,9 @@ class Lobby {
   /// Connections there are, here and at work.
   std::size_t connections() const { return places_; }
   std::uint64_t turned_away() const { return turned_away_; }
+  /// Bytes of answers that clients have not taken, and clients that were cut off for it.
+  std::uint64_t unsent_bytes() const { return unsent_bytes_; }
+  std::uint64_t cut_off() const { return cut_off_; }
 
  private:
   struct Guest {
@@ -73,12 +77,15 @@ class Lobby {
   void close_now();
   int wait_milliseconds() const;
   void end_overdue();
+  void end_those_who_take_nothing();
 
   const Options options_;
   const Ready ready_;
   // Before the sessions, which give their places back.
   std::atomic<std::size_t> places_ = 0;
   std::atomic<std::uint64_t> turned_away_ = 0;
+  std::atomic<std::uint64_t> unsent_bytes_ = 0;
+  std::atomic<std::uint64_t> cut_off_ = 0;
   std::uint64_t next_id_;
   int listener_;
   UniqueFd epoll_;
@@ -86,6 +93,7 @@ class Lobby {
   // Of the thread alone.
   std::unordered_map<std::uint64_t, Guest> guests_;
   std::set<std::pair<Session::Clock::time_point, std::uint64_t>> deadlines_;
+  Unsent unsent_;
   bool closed_ = false;
   bool full_of_descriptors_ = false;
   // What other threads put in.

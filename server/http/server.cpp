@@ -94,7 +94,7 @@ Server::Server(UniqueFd listener, const ServerLimits& limits, const Router& rout
       places_("bodies are being received", limits.bodies, limits.bodies_per_address),
       engine_(router, limits.body_bytes, places_),
       listener_(std::move(listener)),
-      lobby_(listener_.get(), {limits.connection, limits.connections, limits.requests, tls},
+      lobby_(listener_.get(), {limits.connection, limits.connections, limits.requests, limits.unsent, tls},
              [this](std::unique_ptr<Session> session) { add(std::move(session)); }) {}
 
 Server::~Server() { stop(std::chrono::milliseconds(0)); }

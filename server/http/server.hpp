@@ -43,6 +43,8 @@ struct ServerLimits {
   std::size_t bodies_per_address = 0;
   /// Requests on one connection.
   std::size_t requests = 1000;
+  /// What clients may leave untaken.
+  Unsent::Limits unsent;
 };
 
 /// What the server tells of itself.
@@ -50,6 +52,10 @@ struct ServerState {
   std::size_t connections = 0;
   /// Connections that found no place, or lost theirs to another one.
   std::uint64_t turned_away = 0;
+  /// Bytes of answers that clients have not taken yet.
+  std::uint64_t unsent_bytes = 0;
+  /// Clients that were cut off because they took nothing.
+  std::uint64_t cut_off = 0;
 };
 
 /// Listens, and gives requests to a pool of threads once their head is there (lobby.hpp). A thread is held while a
@@ -75,7 +81,9 @@ class Server {
   /// Accepts no more, answers what has arrived and whoever waits for an answer, for this long; then cuts off the rest.
   void stop(std::chrono::milliseconds grace);
 
-  ServerState state() const { return {lobby_.connections(), lobby_.turned_away()}; }
+  ServerState state() const {
+    return {lobby_.connections(), lobby_.turned_away(), lobby_.unsent_bytes(), lobby_.cut_off()};
+  }
 
  private:
   Server(UniqueFd listener, const ServerLimits& limits, const Router& router, Observer observer, const Tls* tls);

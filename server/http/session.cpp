@@ -12,7 +12,7 @@
 namespace surfaced::http {
 namespace {
 
-constexpr std::size_t kSendBytes = std::size_t{64} << 10;
+constexpr std::size_t kSendBytes = std::size_t{16} << 10;
 /// What one connection may write before another one has its turn.
 constexpr std::uint64_t kTurnBytes = std::uint64_t{256} << 10;
 
@@ -85,9 +85,14 @@ Session::Step Session::overdue() {
     last_look_ = !exchange_.feed;
     return Step::ready;
   }
-  if (state_ != State::head) return Step::over;
-  auto error = connection_.head_overdue();
-  if (!error) return Step::over;
+  if (state_ == State::head && connection_.wait_for_taking()) return Step::waits;
+  if (state_ == State::lingering && connection_.is_still_taking()) return Step::waits;
+  auto error = state_ == State::head ? connection_.head_overdue() : std::nullopt;
+  if (!error) {
+    // Nobody waits for what it has not taken by now, in the buffers of the kernel least of all.
+    if (connection_.queued() > 0) connection_.give_up();
+    return Step::over;
+  }
   head_ = Result<std::string>(std::move(*error));
   return Step::ready;
 }
@@ -147,6 +152,11 @@ Session::Step Session::work(Engine& engine, const std::function<void(std::uint64
   return begin_writing();
 }
 
+Unsent::Share Session::share() const {
+  const std::uint64_t queued = connection_.queued();
+  return {state_ == State::writing ? exchange_.bytes.size() - sent_ : 0, queued, connection_.handed_over() - queued};
+}
+
 std::optional<Exchange> Session::take_answered() {
   if (!std::exchange(answered_, false)) return std::nullopt;
   Exchange told;
@@ -168,7 +178,8 @@ Session::Step Session::begin_writing() {
 
 Session::Step Session::write_on() {
   while (sent_ < exchange_.bytes.size()) {
-    const auto count = connection_.try_send(exchange_.bytes.data() + sent_, exchange_.bytes.size() - sent_);
+    const std::size_t wanted = std::min(kSendBytes, exchange_.bytes.size() - sent_);
+    const auto count = connection_.try_send(exchange_.bytes.data() + sent_, wanted);
     if (count < 0) return Step::over;
     if (count == 0) return Step::waits;
     sent_ += static_cast<std::size_t>(count);
@@ -203,11 +214,18 @@ Session::Step Session::feed_on(bool stopping) {
 
 Session::Step Session::await_feed() {
   exchange_.bytes = {};
-  if (feed_ended_) return Step::over;
+  if (feed_ended_) return end();
   state_ = State::waiting;
   next_piece_ = Clock::now() + exchange_.feed->interval;
   // The first piece is there at once, and what was rung for while something was written.
   return !subscribed_ || rung() ? Step::ready : Step::waits;
+}
+
+Session::Step Session::end() {
+  if (connection_.queued() == 0) return Step::over;
+  state_ = State::lingering;
+  connection_.begin_last_taking();
+  return advance();
 }
 
 Session::Step Session::after_writing() {
@@ -215,7 +233,7 @@ Session::Step Session::after_writing() {
   const After after = exchange_.after;
   exchange_.bytes = {};
   exchange_.stream.reset();
-  if (after == After::close) return Step::over;
+  if (after == After::close) return end();
   if (after == After::drain) {
     state_ = State::lingering;
     connection_.begin_linger();

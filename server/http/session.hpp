@@ -10,6 +10,7 @@
 
 #include "http/connection.hpp"
 #include "http/engine.hpp"
+#include "http/unsent.hpp"
 
 namespace surfaced::http {
 
@@ -19,7 +20,8 @@ namespace surfaced::http {
 ///   greeting (TLS) --(the client speaks plain HTTP, and is told)--> lingering --> over
 ///   head --arrived--> (a thread of the pool: engine) --answer--> writing --keep--> head
 ///                          |          ^                             |---drain---> lingering --> over
-///                          '--later-> waiting <--feed, until its end--+---close---> over
+///                          '--later-> waiting <--feed, until its end--+---close---> over, or lingering until all is
+///                          taken
 ///
 /// It belongs to the lobby while it waits and to a thread of the pool while it is worked on; whoever has it
 /// calls `advance`, which never blocks.
@@ -48,6 +50,8 @@ class Session {
   State state() const { return state_; }
   /// It follows something, and has something new to send.
   bool feeds() const { return state_ == State::waiting && exchange_.feed != nullptr; }
+  /// It has been answered, and only takes the rest of that.
+  bool lingers() const { return state_ == State::lingering; }
   /// No request is there yet that would be owed an answer.
   bool before_request() const { return state_ == State::greeting || state_ == State::head; }
   int descriptor() const { return connection_.descriptor(); }
@@ -65,6 +69,11 @@ class Session {
   /// @param stopping  the server answers what it has and ends the connection
   Step work(Engine& engine, const std::function<void(std::uint64_t id)>& ring, bool stopping);
 
+  /// What the client has not taken of its answer.
+  Unsent::Share share() const;
+  /// The connection ends at once, with what the client has not taken.
+  void give_up() const { connection_.give_up(); }
+
   /// Somebody rang since the last look: then the session does not go to sleep.
   bool rung() const { return *rung_; }
 
@@ -76,6 +85,8 @@ class Session {
   Step begin_writing();
   Step write_on();
   Step after_writing();
+  /// Closes the connection once the client has taken all of the answer.
+  Step end();
   Step feed_on(bool stopping);
   Step await_feed();
 

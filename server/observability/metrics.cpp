@@ -61,6 +61,9 @@ struct Metrics::Families {
   prometheus::Gauge& connections = one("surfaced_connections", "Open connections");
   prometheus::Gauge& turned_away =
       one("surfaced_connections_turned_away", "Connections that found no place since the start");
+  prometheus::Gauge& unsent = one("surfaced_unsent_bytes", "Bytes of answers that clients have not taken yet");
+  prometheus::Gauge& cut_off =
+      one("surfaced_connections_cut_off", "Connections that were ended since the start because they took nothing");
   prometheus::Gauge& free_bytes = one("surfaced_free_bytes", "Free space under the data folder");
   prometheus::Gauge& resident = one("surfaced_resident_bytes", "Memory of the server process");
   prometheus::Gauge& ready = one("surfaced_ready", "1 if /readyz says so");
@@ -122,6 +125,8 @@ std::string Metrics::text(const Gauges& gauges) {
   families_->oldest.Set(gauges.oldest_accepted_seconds);
   families_->connections.Set(static_cast<double>(gauges.connections));
   families_->turned_away.Set(static_cast<double>(gauges.connections_turned_away));
+  families_->unsent.Set(static_cast<double>(gauges.unsent_bytes));
+  families_->cut_off.Set(static_cast<double>(gauges.connections_cut_off));
   families_->free_bytes.Set(static_cast<double>(gauges.free_bytes));
   families_->resident.Set(static_cast<double>(gauges.resident_bytes));
   families_->ready.Set(gauges.ready ? 1 : 0);

@@ -15,6 +15,8 @@ struct Gauges {
   double oldest_accepted_seconds = 0;
   std::uint64_t connections = 0;
   std::uint64_t connections_turned_away = 0;
+  std::uint64_t unsent_bytes = 0;
+  std::uint64_t connections_cut_off = 0;
   std::uint64_t free_bytes = 0;
   std::uint64_t resident_bytes = 0;
   bool ready = false;

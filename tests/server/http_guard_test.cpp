@@ -13,6 +13,7 @@
 #include "http/server.hpp"
 #include "jobs/job_events.hpp"
 #include "support/http_client.hpp"
+#include "support/limited_child.hpp"
 #include "support/patience.hpp"
 
 namespace surfaced::http {
@@ -136,6 +137,14 @@ class HttpGuardTest : public ::testing::Test {
     const auto began = steady_clock::now();
     EXPECT_EQ(call(port_, "GET", "/hello").status, 200);
     EXPECT_LT(seconds_since(began), kPromptly) << "others are given " << kForLong.count() << " ms";
+  }
+  /// Of this process, client and server, for one request.
+  double processor_time_of(const std::string& request) const {
+    RawConnection connection(port_);
+    const double began = testing::processor_seconds();
+    connection.send(request);
+    connection.read_answer();
+    return testing::processor_seconds() - began;
   }
   std::string code_of(const Answer& answer) const {
     const Json json = Json::parse(answer.body, nullptr, false);
@@ -547,6 +556,31 @@ TEST(HttpServerTest, addresses_are_read_strictly) {
   for (const char* text : {"", ":80", "host", "host:", "host:x", "host:65536", "host:-1", "::1:80", "host:80 "}) {
     EXPECT_FALSE(parse_address(text).ok()) << text;
   }
+}
+
+TEST_F(HttpGuardTest, chunks_of_one_byte_cost_what_their_bytes_do) {
+  std::string chunks;
+  while (chunks.size() < kBodyLimit - 16) chunks += "1\r\nx\r\n";
+  const std::string request =
+      "POST /count HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks + "0\r\n\r\n";
+  const double limit = testing::measuring_is_moot() ? 2 : 0.050;
+  EXPECT_LT(testing::best_of_tries(limit, [&] { return processor_time_of(request); }), limit);
+  EXPECT_EQ(seen_, chunks.size() / 6);
+}
+
+TEST_F(HttpGuardTest, who_takes_nothing_is_cut_off_when_there_is_too_much_and_others_are_not) {
+  limits_.unsent.total = std::uint64_t{1} << 20;
+  limits_.unsent.patience = milliseconds(200);
+  restart();
+  std::vector<std::unique_ptr<RawConnection>> sleepers;
+  for (int i = 0; i < 40; ++i) {
+    sleepers.push_back(std::make_unique<RawConnection>(port_));
+    sleepers.back()->send("GET /big HTTP/1.1\r\nHost: h\r\n\r\n");
+  }
+  EXPECT_TRUE(eventually([&] { return server_->state().cut_off > 0; }));
+  EXPECT_TRUE(eventually([&] { return server_->state().unsent_bytes <= limits_.unsent.total; }));
+  EXPECT_EQ(call(port_, "GET", "/big").body.size(), std::size_t{8} << 20) << "who takes it gets it all";
+  EXPECT_LT(server_->state().connections, 40U);
 }
 
 }  // namespace
