@@ -15,5 +15,8 @@ std::string_view openapi_json();
 std::string_view openapi30_json();
 /// proto/docs.html: shows the contract to people.
 std::string_view docs_html();
+/// Style and script of that page, which has neither inside.
+std::string_view docs_css();
+std::string_view docs_js();
 
 }  // namespace surfaced::proto

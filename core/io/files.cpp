@@ -50,11 +50,16 @@ Result<Temporary> create_temporary(const std::filesystem::path& target) {
   return not_writable(target, "1000 temporary names beside it are taken");
 }
 
-/// Makes a rename durable. Not every file system lets a folder be synced, so this may fail quietly.
-void sync_folder(const std::filesystem::path& target) {
+/// Makes a rename durable, where that can be asked for: a folder that may be written and not read cannot be opened for
+/// it (EACCES), and some file systems sync no folders (EINVAL). Any other failure is one of the disk, and is told
+/// although the file is there.
+Status sync_folder(const std::filesystem::path& target) {
   const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
   const io::Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (opened.valid()) ::fsync(opened.number());
+  if (opened.valid() ? ::fsync(opened.number()) == 0 || errno == EINVAL : errno == EACCES) return Done{};
+  return not_writable(target,
+                      "the file is there, but may be gone after a power cut, for its folder cannot be synced: " +
+                          std::generic_category().message(errno));
 }
 
 Status write_in_place(const std::filesystem::path& path, std::span<const std::byte> bytes) {
@@ -80,11 +85,8 @@ Status write_file(const std::filesystem::path& path, std::span<const std::byte> 
   Status status = write_all(temporary->file, bytes, path);
   if (status && ::fsync(temporary->file.number()) != 0) status = not_writable(path, errno);
   if (status && ::rename(temporary->path.c_str(), target.c_str()) != 0) status = not_writable(path, errno);
-  if (status) {
-    sync_folder(target);
-  } else {
-    ::unlink(temporary->path.c_str());
-  }
+  if (status) return sync_folder(target);
+  ::unlink(temporary->path.c_str());
   return status;
 }
 

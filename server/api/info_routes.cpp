@@ -49,20 +49,21 @@ Response get_method(const Request& request) {
   return json_response(200, method_json(**method));
 }
 
-Response contract(const Request& /*request*/) {
+Response file(const char* content_type, std::string_view bytes) {
   Response response;
-  response.content_type = "application/json";
-  response.body = http::body_of_static(proto::openapi_json());
+  response.content_type = content_type;
+  response.body = http::body_of_static(bytes);
   return response;
 }
 
 Response documentation(const Request& /*request*/) {
-  Response response;
-  response.content_type = "text/html; charset=utf-8";
-  // Everything that the page needs is in it and in /openapi.json.
+  Response response = file("text/html; charset=utf-8", proto::docs_html());
+  // The page loads nothing from elsewhere, runs nothing that stands in it, and is shown in no other page.
   response.headers.add("Content-Security-Policy",
-                       "default-src 'none'; connect-src 'self'; style-src 'unsafe-inline'; script-src 'unsafe-inline'");
-  response.body = http::body_of_static(proto::docs_html());
+                       "default-src 'none'; connect-src 'self'; style-src 'self'; script-src 'self'; base-uri 'none'; "
+                       "form-action 'none'; frame-ancestors 'none'");
+  // For browsers that do not know frame-ancestors.
+  response.headers.add("X-Frame-Options", "DENY");
   return response;
 }
 
@@ -70,8 +71,10 @@ Response documentation(const Request& /*request*/) {
 
 void add_info_routes(http::Router& router, JobService& service, const RouteOptions& options) {
   add_viewer_routes(router, index);
-  router.add("GET", "/openapi.json", contract);
+  router.add("GET", "/openapi.json", [](Request&) { return file("application/json", proto::openapi_json()); });
   router.add("GET", "/docs", documentation);
+  router.add("GET", "/docs.css", [](Request&) { return file("text/css; charset=utf-8", proto::docs_css()); });
+  router.add("GET", "/docs.js", [](Request&) { return file("text/javascript; charset=utf-8", proto::docs_js()); });
   router.add("GET", "/v1/methods", [](Request&) { return json_response(200, {{"methods", methods_json()}}); });
   router.add("GET", "/v1/methods/{id}", get_method);
   router.add("GET", "/healthz", [](Request&) { return json_response(200, probe()); });

@@ -114,6 +114,10 @@ class Uploads {
 
   Result<PartialUpload> begin(const Request& request) {
     if (Status spoken = check_version(request); !spoken.ok()) return spoken.error();
+    if (const auto concat = request.headers.find("Upload-Concat")) {
+      return http::wrong_value(ErrorCode::invalid_request, "Upload-Concat", *concat,
+                               "no such header: the extension concatenation is not among those of Tus-Extension");
+    }
     if (const auto deferred = request.headers.find("Upload-Defer-Length")) {
       return http::wrong_value(ErrorCode::invalid_request, "Upload-Defer-Length", *deferred,
                                "no such header, but Upload-Length");

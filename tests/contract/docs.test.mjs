@@ -53,7 +53,15 @@ test('the examples of the contract are of this version: methods, parameters and 
 test('the reference for people is served without anything from elsewhere', async () => {
   const { status, headers } = await client.call('GET', '/docs');
   assert.equal(status, 200);
-  assert.match(headers.get('content-security-policy'), /default-src 'none'/);
+  const policy = headers.get('content-security-policy');
+  assert.match(policy, /default-src 'none'/);
+  assert.match(policy, /frame-ancestors 'none'/);
+  assert.doesNotMatch(policy, /unsafe/);
+  assert.equal(headers.get('x-frame-options'), 'DENY');
   const page = await (await fetch(`${client.base}/docs`)).text();
   assert.doesNotMatch(page, /https?:\/\//);
+  assert.doesNotMatch(page, /<style|<script>|\son\w+=|\sstyle=/, 'nothing inline');
+  for (const [, target] of page.matchAll(/(?:href|src)="(\/docs\.[^"]+)"/g)) {
+    assert.equal((await client.call('GET', target)).status, 200, target);
+  }
 });

@@ -33,6 +33,12 @@ test('the server says what of tus it speaks', async () => {
   assert.ok(Number(headers.get('tus-max-size')) > 0);
 });
 
+test('what of tus is not spoken is refused, not ignored', async () => {
+  await expect(400, 'invalid_request', create(10, { 'upload-concat': 'partial' }));
+  await expect(400, 'invalid_request', create(10, { 'upload-concat': 'final;/v1/uploads/a /v1/uploads/b' }));
+  await expect(400, 'invalid_request', create(10, { 'upload-defer-length': '1' }));
+});
+
 test('an upload in parts becomes a stored cloud', async () => {
   const created = await create(knot.length, { 'upload-metadata': `filename ${Buffer.from('knot.ply').toString('base64')}` });
   assert.equal(created.status, 201);

@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -11,6 +13,23 @@
 
 #include "io/io.hpp"
 #include "support/results.hpp"
+
+namespace {
+
+/// What syncing a folder fails with; 0 for not at all.
+int folder_sync_error = 0;
+
+}  // namespace
+
+/// In the place of the C library's, for the whole program of the test.
+extern "C" int fsync(int file) {
+  struct stat status {};
+  if (folder_sync_error != 0 && ::fstat(file, &status) == 0 && S_ISDIR(status.st_mode)) {
+    errno = folder_sync_error;
+    return -1;
+  }
+  return static_cast<int>(::syscall(SYS_fsync, file));
+}
 
 namespace surfaced {
 namespace {
@@ -45,6 +64,21 @@ TEST_F(Files, a_written_file_replaces_the_old_one_and_leaves_nothing_else) {
   ASSERT_TRUE(write_file(path, testing::as_bytes("old")).ok());
   ASSERT_TRUE(write_file(path, testing::as_bytes("new and longer")).ok());
   EXPECT_EQ(content(path), "new and longer");
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(Files, a_folder_that_cannot_be_made_durable_is_told_of) {
+  const fs::path path = folder_ / "a.ply";
+  folder_sync_error = EIO;
+  const Status failed = write_file(path, testing::as_bytes("new"));
+  folder_sync_error = EINVAL;
+  const Status not_syncable = write_file(path, testing::as_bytes("newer"));
+  folder_sync_error = 0;
+  ASSERT_FALSE(failed.ok());
+  EXPECT_EQ(failed.error().code, ErrorCode::output_not_writable);
+  EXPECT_THAT(failed.error().detail, HasSubstr("a.ply"));
+  EXPECT_TRUE(not_syncable.ok()) << "a file system that syncs no folders";
+  EXPECT_EQ(content(path), "newer");
   EXPECT_EQ(entries(), 1U);
 }
 
