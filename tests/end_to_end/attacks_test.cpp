@@ -207,6 +207,28 @@ TEST_F(AttackTest, a_client_cannot_say_where_it_comes_from_and_cannot_forge_the_
   EXPECT_THAT(log.str(), ::testing::Not(::testing::HasSubstr("8.8.8.8")));
 }
 
+TEST_F(AttackTest, pages_of_other_sites_and_names_that_are_rebound_reach_nothing) {
+  const auto status = [&](const std::string& line, const std::string& fields) {
+    RawConnection connection(port());
+    connection.send(line + " HTTP/1.1\r\n" + fields + "Content-Length: 0\r\n\r\n");
+    return connection.read_answer().status;
+  };
+  const std::string deletes = "DELETE /v1/jobs/00000000000000000000000000000000";
+  const std::vector<std::pair<std::string, std::string>> hostile = {
+      {"GET /v1/jobs", "Host: evil.example\r\n"},
+      {"GET /", "Host: evil.example:8080\r\n"},
+      {"GET http://evil.example/v1/jobs", "Host: localhost\r\n"},
+      {deletes, "Host: localhost\r\nOrigin: https://evil.example\r\n"},
+      {deletes, "Host: localhost\r\nOrigin: null\r\n"},
+      {"GET /v1/jobs", "Host: localhost\r\nSec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: no-cors\r\n"}};
+  for (const auto& [line, fields] : hostile) EXPECT_EQ(status(line, fields), 403) << line << fields;
+  EXPECT_EQ(status("GET /v1/jobs", "Host: localhost\r\n"), 200);
+  EXPECT_EQ(status("GET http://localhost/v1/jobs", "Host: localhost\r\n"), 200);
+  EXPECT_EQ(status(deletes, "Host: localhost\r\nOrigin: http://localhost:80\r\n"), 404);
+  serve({"--allowed-hosts", "*"});
+  for (const auto& [line, fields] : hostile) EXPECT_NE(status(line, fields), 403) << line << fields;
+}
+
 TEST_F(AttackTest, event_streams_and_long_polls_by_the_hundred_leave_room_for_others) {
   const std::string job = "/v1/jobs/" + testing::start_endless_job(*server_, testing::random_points(30'000, 3));
   const Crowd streams = crowd(1600, "GET " + job + "/events HTTP/1.1\r\nHost: h\r\n\r\n");
