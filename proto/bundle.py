@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes the contract as one JSON file: openapi.yaml with the schemas of schema/ among its components.
 
-usage: bundle.py OUTPUT [OUTPUT_3_0]
+usage: bundle.py OUTPUT [OUTPUT_3_0 [CONTACT]]
 
 OUTPUT_3_0 is the same in OpenAPI 3.0, which knows less of JSON Schema: types that may be null become nullable,
-constants enumerations; keywords that it has not are left out.
+constants enumerations; keywords that it has not are left out. CONTACT, an address or a URL, goes into both.
 """
 import json
 import sys
@@ -77,6 +77,9 @@ def main():
     schemas = contract.setdefault("components", {}).setdefault("schemas", {})
     for path in sorted((HERE / "schema").glob("*.json")):
         schemas[path.stem] = rewrite(json.loads(path.read_text(encoding="utf-8")), path.stem)
+    contact = sys.argv[3] if len(sys.argv) > 3 else ""
+    if contact:
+        contract["info"]["contact"] = {"url" if "://" in contact else "email": contact}
     write(sys.argv[1], contract)
     if len(sys.argv) > 2:
         older = downgrade(contract)

@@ -1,26 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <exception>
-#include <iostream>
+#include <span>
 
 #include "command/command.hpp"
 #include "command/health.hpp"
 #include "command/problem.hpp"
+#include "command/usage.hpp"
 #include "reconstruction/reconstruction.hpp"
 
 namespace {
-
-/// What was wrong with the command line: above all, that its first word is no command.
-std::string what_is_wrong(const CLI::App& app, const CLI::ParseError& wrong, int argc, char** argv) {
-  const std::string first = argc > 1 ? argv[1] : "";
-  std::string known;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->check_name(first)) return wrong.what();
-    if (!command->get_group().empty()) known += (known.empty() ? "" : ", ") + command->get_name();
-  }
-  const bool is_flag = first.starts_with('-');
-  if (is_flag) return wrong.what();
-  return (first.empty() ? "no command is given" : "'" + first + "' is no command") + "; there are: " + known;
-}
 
 int dispatch(int argc, char** argv) {
   CLI::App app("Point clouds to meshes: a daemon, a library and a command.", "surfaced");
@@ -37,12 +25,15 @@ int dispatch(int argc, char** argv) {
   surfaced::add_backup(app, run);
   surfaced::add_attempt(app, run);
   surfaced::add_side_tasks(app, run);
+  surfaced::add_json_flags(app);
+  const std::span<char* const> words(argv + 1, argc > 0 ? static_cast<std::size_t>(argc - 1) : 0);
+  if (surfaced::asks_for_json(words)) surfaced::set_problem_format(surfaced::ProblemFormat::json);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked_for_help) {
     return app.exit(asked_for_help);
   } catch (const CLI::ParseError& wrong) {
-    return surfaced::report_problem({surfaced::ErrorCode::invalid_usage, what_is_wrong(app, wrong, argc, argv)});
+    return surfaced::report_usage(app, wrong, words);
   }
   return run();
 }

@@ -22,6 +22,8 @@ constexpr auto kForJobs = std::to_array<std::string_view>({"method", "outputs", 
 constexpr auto kFields = std::to_array<std::string_view>(
     {"method", "cloud_id", "parameters", "outputs", "webhook", "ttl_seconds", "labels"});
 
+/// A number over HTTP; units are for settings, which people type.
+constexpr const char* kTtlAllowed = "a number of seconds from 60 to 2592000 (a day is 86400)";
 constexpr double kShortestTtl = 60;
 constexpr double kLongestTtl = 30 * 24 * 3600;
 constexpr std::size_t kMostLabels = 16;
@@ -106,7 +108,7 @@ Status read_query_extras(const http::Query& query, const SubmissionRules& rules,
   if (!ttl) return ttl.error();
   if (!ttl->empty()) {
     const auto seconds = number_within("ttl_seconds", *ttl, kShortestTtl, kLongestTtl);
-    if (!seconds) return seconds.error();
+    if (!seconds) return http::wrong_value(ErrorCode::invalid_parameter, "ttl_seconds", *ttl, kTtlAllowed);
     submission.ttl = std::chrono::seconds(static_cast<std::int64_t>(*seconds));
   }
   const auto labels = single(query, "labels");
@@ -168,7 +170,7 @@ Result<std::chrono::seconds> ttl_field(const Json& body, std::chrono::seconds ot
   const double seconds = found->is_number() ? found->get<double>() : -1;
   if (seconds >= kShortestTtl && seconds <= kLongestTtl)
     return std::chrono::seconds(static_cast<std::int64_t>(seconds));
-  Error error = wrong_type("ttl_seconds", *found, "a number from 60 to 2592000");
+  Error error = wrong_type("ttl_seconds", *found, kTtlAllowed);
   error.code = ErrorCode::invalid_parameter;
   return error;
 }

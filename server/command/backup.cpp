@@ -46,7 +46,8 @@ Status sync_all(const fs::path& folder) {
 /// The job store first, then the files that it refers to: whatever is acknowledged in the copy has its files there.
 Status back_up(const Options& options) {
   if (fs::exists(options.target) && !fs::is_empty(options.target)) {
-    return Error{ErrorCode::invalid_usage, "'" + options.target.string() + "' is not empty"};
+    return with_fault({ErrorCode::invalid_usage, "'" + options.target.string() + "' is not empty"},
+                      {"TARGET", options.target.string(), "a folder that is empty or not there yet"});
   }
   for (const fs::path& each : {options.target, options.target / "inputs", options.target / "outputs"}) {
     if (Status made = make_directory(each); !made.ok()) return made;

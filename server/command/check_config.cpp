@@ -28,7 +28,9 @@ void print_as_json(const Configuration& configuration) {
                         {"allowed", allowed(*entry.setting)},
                         {"description", entry.setting->text}});
   }
-  const Json all{{"settings", settings}, {"warnings", configuration.warnings}, {"problems", configuration.problems}};
+  Json problems = Json::array();
+  for (const Error& problem : configuration.problems) problems.push_back(problem.detail);
+  const Json all{{"settings", settings}, {"warnings", configuration.warnings}, {"problems", problems}};
   std::cout << all.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
 }
 
@@ -44,7 +46,7 @@ void check_tls(Configuration& configuration) {
   const Settings& settings = configuration.settings;
   if (settings.tls_certificate.empty() || settings.tls_key.empty()) return;
   const auto tls = http::Tls::load({settings.tls_certificate, settings.tls_key});
-  if (!tls) configuration.problems.push_back(tls.error().detail);
+  if (!tls) configuration.refuse(tls.error().detail, tls.error().fault);
 }
 
 int check(Options& options) {
@@ -55,7 +57,7 @@ int check(Options& options) {
   check_tls(configuration);
   options.as_json ? print_as_json(configuration) : print_as_text(configuration);
   if (configuration.problems.empty()) return 0;
-  return report_problem({ErrorCode::invalid_usage, joined(configuration.problems)});
+  return report_problems(configuration.problems);
 }
 
 }  // namespace
@@ -65,7 +67,7 @@ void add_check_config(CLI::App& app, Run& run) {
   CLI::App* command =
       app.add_subcommand("check-config", "Show every setting of the service, where it comes from, and what is wrong");
   command->add_option("FILE", options->file, "File with settings, as for serve --config");
-  command->add_flag("--json", options->as_json, "As JSON");
+  command->add_flag("--json", options->as_json, "As JSON, errors too")->envname("SURFACED_JSON");
   add_setting_flags(*command, options->sources);
   command->callback([options, &run] { run = [options] { return check(*options); }; });
 }

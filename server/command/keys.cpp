@@ -5,6 +5,7 @@
 
 #include "command/command.hpp"
 #include "command/problem.hpp"
+#include "config/units.hpp"
 
 namespace surfaced {
 namespace {
@@ -50,8 +51,12 @@ int remove_key(const KeyOptions& options) {
   auto ring = KeyRing::load(options.file);
   if (!ring) return report_problem(ring.error());
   if (!ring->remove(options.id)) {
+    std::string ids;
+    for (const auto& [id, key] : ring->all()) ids += (ids.empty() ? "" : ", ") + id;
     return report_problem(
-        {ErrorCode::invalid_usage, "'" + options.file.string() + "' has no key '" + options.id + "'"});
+        with_fault({ErrorCode::invalid_usage, "'" + options.file.string() + "' has no key '" + options.id + "'"},
+                   {"ID", options.id, ids.empty() ? "none: the file has no keys" : "one of " + ids}),
+        "surfaced keys list " + options.file.string() + " shows them.");
   }
   const Status saved = ring->save(options.file);
   return saved ? 0 : report_problem(saved.error());
@@ -80,7 +85,11 @@ void add_keys(CLI::App& app, Run& run) {
   add->add_option("--active-jobs", options->quota.active_jobs, "Jobs that wait or run; 0: no limit")
       ->capture_default_str();
   add->add_option("--stored-bytes", options->quota.stored_bytes, "Of clouds and outputs; 0: no limit")
-      ->transform(CLI::AsSizeValue(false))
+      ->transform([](const std::string& text) {
+        const auto bytes = number_in(SettingUnit::bytes, text);
+        if (!bytes) throw CLI::ValidationError("'" + text + "' is no size like 4096, 512 MiB or 1.5 GB");
+        return std::to_string(*bytes);
+      })
       ->capture_default_str();
   add_verb("list", "Show the keys without their secrets", list_keys);
   add_verb("remove", "Take a key away; a running server notices", remove_key)

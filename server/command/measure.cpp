@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <thread>
 
 #include "command/command.hpp"
 #include "command/problem.hpp"
 #include "command/progress_bar.hpp"
+#include "command/usage.hpp"
 #include "command/write_report.hpp"
 
 namespace surfaced {
@@ -24,7 +26,10 @@ int measure(const Options& options) {
       options.cloud.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.cloud);
   const Result<Json> report = measure_file(options.mesh, cloud, options.self_intersections, context);
   clear_progress_bar();
-  if (!report) return report_problem(report.error());
+  if (!report) {
+    const std::array inputs{GivenPath{"MESH", options.mesh}, GivenPath{"--cloud", options.cloud}};
+    return report_file_problem(report.error(), inputs, {});
+  }
   return write_report(*report, options.report);
 }
 

@@ -95,7 +95,8 @@ void print_as_text() {
 void add_methods(CLI::App& app, Run& run) {
   auto as_json = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("methods", "List the methods and their parameters");
-  command->add_flag("--json", *as_json, "As JSON, with the JSON Schemas of the parameters")->envname("SURFACED_JSON");
+  command->add_flag("--json", *as_json, "As JSON, with the JSON Schemas of the parameters; errors too")
+      ->envname("SURFACED_JSON");
   command->callback([as_json, &run] {
     run = [as_json] {
       if (*as_json) {

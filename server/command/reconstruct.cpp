@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <iostream>
@@ -11,6 +12,7 @@
 #include "command/command.hpp"
 #include "command/problem.hpp"
 #include "command/progress_bar.hpp"
+#include "command/usage.hpp"
 #include "command/write_report.hpp"
 #include "reconstruction/reconstruction.hpp"
 
@@ -40,7 +42,8 @@ Result<std::vector<std::pair<std::string, std::string>>> split_parameters(const 
   for (const std::string& each : given) {
     const std::size_t equals = each.find('=');
     if (equals == std::string::npos || equals == 0) {
-      return Error{ErrorCode::invalid_usage, "--param " + each + ": expected name=value"};
+      return with_fault({ErrorCode::invalid_usage, "--param " + each + ": expected name=value"},
+                        {"--param", each, "name=value, like variant=fast"});
     }
     pairs.emplace_back(each.substr(0, equals), each.substr(equals + 1));
   }
@@ -88,7 +91,9 @@ int reconstruct(const Options& options) {
   Context context(threads, progress_bar(), &interrupted);
   const Result<Json> report = reconstruct_file(*request, context);
   clear_progress_bar();
-  if (!report) return report_problem(report.error());
+  if (!report) {
+    return report_file_problem(report.error(), std::array{GivenPath{"CLOUD", options.cloud}}, {"-o", options.mesh});
+  }
   tell_result(*report, options);
   return write_report(*report, options.report);
 }

@@ -200,7 +200,11 @@ class Service {
     auto server = http::Server::listen(
         *address, server_limits(settings_), router_,
         [this](const http::Exchange& answered) { tell_of_request(metrics_, answered); }, tls_.get());
-    if (!server) return server.error();
+    if (!server) {
+      return with_fault(server.error(), {"listen", settings_.listen,
+                                         "HOST:PORT of this machine that no other program has; ss -ltnp shows who has "
+                                         "which, port 0 takes a free one"});
+    }
     server_ = std::move(*server);
     if (Status recovered = recover(*jobs_, *artifacts_); !recovered.ok()) return recovered;
     scheduler_.start();
@@ -314,9 +318,7 @@ int serve_as_configured(Sources& sources) {
   use_environment(sources);
   Configuration configuration = read_configuration(sources);
   if (configuration.problems.empty()) check_machine(configuration);
-  if (!configuration.problems.empty()) {
-    return report_problem({ErrorCode::invalid_usage, joined(configuration.problems)});
-  }
+  if (!configuration.problems.empty()) return report_problems(configuration.problems);
   Settings& settings = configuration.settings;
   const auto level = static_cast<LogLevel>(std::ranges::find(kLogLevels, settings.log_level) - kLogLevels.begin());
   set_up_log(settings.log_format == "json" ? LogFormat::json : LogFormat::text, level);

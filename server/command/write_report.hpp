@@ -6,6 +6,7 @@
 #include <string>
 
 #include "command/problem.hpp"
+#include "command/usage.hpp"
 #include "reconstruction/reconstruction.hpp"
 
 namespace surfaced {
@@ -20,7 +21,7 @@ inline int write_report(const Json& report, const std::string& destination) {
     return std::cout ? 0 : report_problem({ErrorCode::output_not_writable, "standard output cannot be written"});
   }
   const Status written = write_file(destination, std::as_bytes(std::span(text)));
-  return written ? 0 : report_problem(written.error());
+  return written ? 0 : report_file_problem(written.error(), {}, {"--report", destination});
 }
 
 }  // namespace surfaced

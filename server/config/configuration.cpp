@@ -32,30 +32,37 @@ std::optional<std::string> read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
+std::shared_ptr<const Fault> unknown_setting(const std::string& name) {
+  std::string names;
+  for (const Setting& setting : setting_table()) names += (names.empty() ? "" : ", ") + std::string(setting.name);
+  return std::make_shared<const Fault>(Fault{name, std::nullopt, "one of " + names});
+}
+
 /// The file's values as text, by name.
 std::map<std::string, std::string, std::less<>> read_file(const std::filesystem::path& path,
-                                                          std::vector<std::string>& problems) {
+                                                          Configuration& configuration) {
   std::map<std::string, std::string, std::less<>> values;
   if (path.empty()) return values;
   const auto text = read_text(path);
   if (!text) {
-    problems.push_back("the file '" + path.string() + "' cannot be read");
+    configuration.refuse("the file '" + path.string() + "' cannot be read");
     return values;
   }
   const Json json = Json::parse(*text, nullptr, false, true);
   if (!json.is_object()) {
-    problems.push_back("the file '" + path.string() + "' is no JSON object");
+    configuration.refuse("the file '" + path.string() + "' is no JSON object");
     return values;
   }
   for (const auto& [name, value] : json.items()) {
     if (std::ranges::find(setting_table(), name, &Setting::name) == setting_table().end()) {
-      problems.push_back("the file '" + path.string() + "' sets '" + name + "', which is no setting");
+      configuration.refuse("the file '" + path.string() + "' sets '" + name + "', which is no setting",
+                           unknown_setting(name));
     } else if (value.is_string()) {
       values[name] = value.get<std::string>();
     } else if (value.is_number_unsigned()) {
       values[name] = value.dump();
     } else {
-      problems.push_back(name + " is " + value.dump() + " in the file; a text or a whole number is expected");
+      configuration.refuse(name + " is " + value.dump() + " in the file; a text or a whole number is expected");
     }
   }
   return values;
@@ -66,18 +73,17 @@ struct Given {
   std::string source;
 };
 
-std::optional<Given> from_environment(const Setting& setting, const Sources& sources,
-                                      std::vector<std::string>& problems) {
+std::optional<Given> from_environment(const Setting& setting, const Sources& sources, Configuration& configuration) {
   if (!sources.environment) return std::nullopt;
   const std::string name = environment_name(setting);
   const auto direct = sources.environment(name);
   const auto path = sources.environment(name + "_FILE");
-  if (direct && path) problems.push_back(name + " and " + name + "_FILE are both set");
+  if (direct && path) configuration.refuse(name + " and " + name + "_FILE are both set");
   if (direct) return Given{*direct, name};
   if (!path) return std::nullopt;
   auto text = read_text(*path);
   if (!text) {
-    problems.push_back(name + "_FILE names '" + *path + "', which cannot be read");
+    configuration.refuse(name + "_FILE names '" + *path + "', which cannot be read");
     return std::nullopt;
   }
   while (!text->empty() && (text->back() == '\n' || text->back() == '\r')) text->pop_back();
@@ -89,6 +95,12 @@ bool is_default(const Configuration& configuration, std::string_view name) {
          "default";
 }
 
+void refuse_number(Configuration& configuration, const char* name, std::uint64_t value, const std::string& allowed) {
+  const std::string number = std::to_string(value);
+  configuration.refuse(std::string(name) + " is " + number + "; allowed is " + allowed,
+                       std::make_shared<const Fault>(Fault{name, number, allowed}));
+}
+
 /// A stream and a wait hold a connection: some are to stay for other requests.
 void check_streams(Configuration& configuration) {
   Settings& settings = configuration.settings;
@@ -96,9 +108,8 @@ void check_streams(Configuration& configuration) {
     settings.streams = std::max<std::uint64_t>(1, settings.connections / 4 * 3);
   }
   if (settings.streams >= settings.connections) {
-    configuration.problems.push_back("streams is " + std::to_string(settings.streams) +
-                                     "; allowed is less than connections, which is " +
-                                     std::to_string(settings.connections));
+    refuse_number(configuration, "streams", settings.streams,
+                  "less than connections, which is " + std::to_string(settings.connections));
     return;
   }
   const std::uint64_t left = settings.connections - settings.streams;
@@ -107,30 +118,29 @@ void check_streams(Configuration& configuration) {
     settings.waits = std::min(settings.connections / 5, left - 1);
     return;
   }
-  configuration.problems.push_back("waits is " + std::to_string(settings.waits) +
-                                   "; allowed is less than the connections without the streams, which are " +
-                                   std::to_string(left));
+  refuse_number(configuration, "waits", settings.waits,
+                "less than the connections without the streams, which are " + std::to_string(left));
 }
 
 /// An entry that is no address would be trusted by nobody, in silence.
 void check_proxies(Configuration& configuration) {
   const auto networks = networks_in(configuration.settings.trusted_proxies);
-  if (!networks) configuration.problems.push_back("trusted-proxies has " + networks.error().detail);
+  if (!networks) configuration.refuse("trusted-proxies has " + networks.error().detail);
 }
 
 void check_together(Configuration& configuration) {
   const Settings& settings = configuration.settings;
   if (settings.data.empty())
-    configuration.problems.emplace_back(
-        "data is not set: name a folder for jobs and clouds with --data or SURFACED_DATA");
+    configuration.refuse("data is not set: name a folder for jobs and clouds with --data or SURFACED_DATA",
+                         std::make_shared<const Fault>(
+                             Fault{"data", std::nullopt, "a folder on a local disk, like --data ./surfaced-data"}));
   if (settings.tls_certificate.empty() != settings.tls_key.empty()) {
-    configuration.problems.push_back(settings.tls_key.empty() ? "tls-certificate is set and tls-key is not"
-                                                              : "tls-key is set and tls-certificate is not");
+    configuration.refuse(settings.tls_key.empty() ? "tls-certificate is set and tls-key is not"
+                                                  : "tls-key is set and tls-certificate is not");
   }
   if (settings.bodies >= settings.http_threads) {
-    configuration.problems.push_back("bodies is " + std::to_string(settings.bodies) +
-                                     "; allowed is less than http-threads, which is " +
-                                     std::to_string(settings.http_threads));
+    refuse_number(configuration, "bodies", settings.bodies,
+                  "less than http-threads, which is " + std::to_string(settings.http_threads));
   }
   check_streams(configuration);
   check_proxies(configuration);
@@ -147,9 +157,9 @@ void check_data(Configuration& configuration) {
     existing = existing.parent_path();
   }
   if (!std::filesystem::is_directory(existing, error) || ::access(existing.c_str(), W_OK | X_OK) != 0) {
-    configuration.problems.push_back("data is '" + data.string() + "'; '" + existing.string() +
-                                     "' is no folder that this user can write: give another (--data, SURFACED_DATA), " +
-                                     "or make '" + data.string() + "' a folder of user " + std::to_string(::geteuid()));
+    configuration.refuse("data is '" + data.string() + "'; '" + existing.string() +
+                         "' is no folder that this user can write: give another (--data, SURFACED_DATA), " +
+                         "or make '" + data.string() + "' a folder of user " + std::to_string(::geteuid()));
     return;
   }
   struct statvfs disk {};
@@ -173,7 +183,7 @@ void check_files(Configuration& configuration, const Settings& settings) {
                            std::to_string(settings.connections + others) + " open files; the limit (ulimit -Hn) is " +
                            std::to_string(files.rlim_max);
   if (!is_default(configuration, "connections") || files.rlim_max < others + kFewestConnections) {
-    configuration.problems.push_back(what);
+    configuration.refuse(what);
     return;
   }
   configuration.settings.connections = files.rlim_max - others;
@@ -185,9 +195,9 @@ void check_files(Configuration& configuration, const Settings& settings) {
 
 Configuration read_configuration(const Sources& sources) {
   Configuration configuration;
-  const auto file = read_file(sources.file, configuration.problems);
+  const auto file = read_file(sources.file, configuration);
   for (const Setting& setting : setting_table()) {
-    std::optional<Given> given = from_environment(setting, sources, configuration.problems);
+    std::optional<Given> given = from_environment(setting, sources, configuration);
     if (const auto flag = sources.flags.find(setting.name); flag != sources.flags.end()) {
       given = Given{flag->second, "--" + flag->first};
     } else if (const auto line = file.find(setting.name); !given && line != file.end()) {
@@ -196,16 +206,16 @@ Configuration read_configuration(const Sources& sources) {
     configuration.entries.push_back({&setting, given ? given->source : "default"});
     if (!given) continue;
     if (const Status assigned = assign(setting, given->value, configuration.settings); !assigned) {
-      configuration.problems.push_back(assigned.error().detail + " (from " + given->source + ")");
+      configuration.refuse(assigned.error().detail + " (from " + given->source + ")", assigned.error().fault);
     }
   }
   check_together(configuration);
   return configuration;
 }
 
-std::string joined(const std::vector<std::string>& problems) {
+std::string joined(std::span<const Error> problems) {
   std::string all;
-  for (const std::string& problem : problems) all += (all.empty() ? "" : "; ") + problem;
+  for (const Error& problem : problems) all += (all.empty() ? "" : "; ") + problem.detail;
   return all;
 }
 

@@ -3,7 +3,9 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,8 +34,12 @@ struct Configuration {
   };
   Settings settings;
   std::vector<Entry> entries;
-  /// Each names the setting, its value and what is allowed.
-  std::vector<std::string> problems;
+  /// Each invalid_usage, naming the setting, its value and what is allowed.
+  std::vector<Error> problems;
+  /// Adds one that has no single setting to blame, or whose fault is told.
+  void refuse(std::string detail, std::shared_ptr<const Fault> fault = {}) {
+    problems.push_back({ErrorCode::invalid_usage, std::move(detail), std::move(fault)});
+  }
   /// What works, but hardly as it was meant.
   std::vector<std::string> warnings;
 };
@@ -42,8 +48,8 @@ struct Configuration {
 /// orchestrators that mount files.
 Configuration read_configuration(const Sources& sources);
 
-/// All of them in one line.
-std::string joined(const std::vector<std::string>& problems);
+/// The details of all of them in one line.
+std::string joined(std::span<const Error> problems);
 
 /// Adds what this machine makes of the settings: the data folder, memory, open files, space.
 void check_machine(Configuration& configuration);

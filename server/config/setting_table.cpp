@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <optional>
+#include <vector>
 
 namespace surfaced {
 namespace {
 
 constexpr std::uint64_t kDay = std::uint64_t{24} * 3600;
-constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 60;
 using S = Settings;
 
 const auto kTable = std::to_array<Setting>({
@@ -23,23 +22,23 @@ const auto kTable = std::to_array<Setting>({
     {"workers", SettingUnit::count, "", 0, 1024, "Jobs that run at once; 0: as many as cores", &S::workers},
     {"threads-per-job", SettingUnit::count, "", 0, 1024, "Threads a job may use; 0: all cores", &S::threads_per_job},
     {"job-time-limit", SettingUnit::seconds, "", 1, 30 * kDay, "Time a job may run", &S::job_time_limit},
-    {"job-memory", SettingUnit::bytes, "", 0, kMaxBytes,
+    {"job-memory", SettingUnit::bytes, "", 0, kMostBytes,
      "Memory a job may use; 0: three quarters of the machine's over the workers", &S::job_memory},
-    {"job-output", SettingUnit::bytes, "", 1 << 20, kMaxBytes, "Size of any file that a job writes", &S::job_output},
+    {"job-output", SettingUnit::bytes, "", 1 << 20, kMostBytes, "Size of any file that a job writes", &S::job_output},
     {"max-points", SettingUnit::count, "", 1, 4'000'000'000, "Points a cloud may have", &S::max_points},
     {"queue-limit", SettingUnit::count, "", 1, 1'000'000, "Jobs that may wait; more are answered 503", &S::queue_limit},
     {"ttl", SettingUnit::seconds, "", 1, 365 * kDay, "Time that a job and its files are kept after its end", &S::ttl},
     {"gone-time", SettingUnit::seconds, "", 0, 365 * kDay, "Time that the id of a removed job answers 410",
      &S::gone_time},
     {"lease", SettingUnit::seconds, "", 3, 3600, "Silence after which a running job counts as lost", &S::lease},
-    {"minimum-free", SettingUnit::bytes, "", 0, kMaxBytes,
+    {"minimum-free", SettingUnit::bytes, "", 0, kMostBytes,
      "Space under the data folder that stays free; clouds that would use it are answered 507", &S::minimum_free},
     {"wait-limit", SettingUnit::seconds, "", 0, 600, "Time that /v1/reconstruct waits for the mesh", &S::wait_limit},
-    {"body-limit", SettingUnit::bytes, "", 1, kMaxBytes, "Size of a request's body; more is answered 413",
+    {"body-limit", SettingUnit::bytes, "", 1, kMostBytes, "Size of a request's body; more is answered 413",
      &S::body_limit},
     {"body-grace", SettingUnit::seconds, "", 1, 3600, "Time that a body or an answer may take before its pace counts",
      &S::body_grace},
-    {"body-rate", SettingUnit::bytes_per_second, "", 1, kMaxBytes,
+    {"body-rate", SettingUnit::bytes_per_second, "", 1, kMostBytes,
      "Pace that a client must keep up with after that; slower ones are answered 408 or cut off", &S::body_rate},
     {"header-limit", SettingUnit::bytes, "", 1024, 1 << 20,
      "Size of a request's line and headers; more is answered 431", &S::header_limit},
@@ -107,60 +106,19 @@ const auto kTable = std::to_array<Setting>({
      "Certificates that webhooks are checked against; none: those of the system", &S::webhook_certificates},
 });
 
-struct Suffix {
-  std::string_view name;
-  unsigned shift;
-};
-// The longest first.
-constexpr auto kSuffixes = std::to_array<Suffix>({{"tib", 40},
-                                                  {"gib", 30},
-                                                  {"mib", 20},
-                                                  {"kib", 10},
-                                                  {"tb", 40},
-                                                  {"gb", 30},
-                                                  {"mb", 20},
-                                                  {"kb", 10},
-                                                  {"t", 40},
-                                                  {"g", 30},
-                                                  {"m", 20},
-                                                  {"k", 10},
-                                                  {"b", 0}});
-
-/// A number with the unit's suffix, or none.
-std::optional<std::uint64_t> number_in(SettingUnit unit, std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failed != std::errc()) return std::nullopt;
-  std::string rest(end, text.data() + text.size());
-  std::erase(rest, ' ');
-  std::ranges::transform(rest, rest.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (rest.empty() || (unit == SettingUnit::seconds && rest == "s")) return value;
-  if (unit != SettingUnit::bytes && unit != SettingUnit::bytes_per_second) return std::nullopt;
-  if (rest.ends_with("/s")) rest.resize(rest.size() - 2);
-  const auto* suffix = std::ranges::find(kSuffixes, rest, &Suffix::name);
-  if (suffix == kSuffixes.end() || value > (kMaxBytes >> suffix->shift)) return std::nullopt;
-  return value << suffix->shift;
+std::vector<std::string> choices_of(const Setting& setting) {
+  std::vector<std::string> words;
+  for (std::string_view rest = setting.choices; !rest.empty();) {
+    words.emplace_back(rest.substr(0, rest.find('|')));
+    rest.remove_prefix(std::min(rest.size(), words.back().size() + 1));
+  }
+  return words;
 }
 
-std::string with_unit(SettingUnit unit, std::uint64_t value) {
-  if (unit == SettingUnit::seconds) return std::to_string(value) + " s";
-  if (unit == SettingUnit::count) return std::to_string(value);
-  constexpr auto kNames = std::to_array<std::string_view>({"B", "KiB", "MiB", "GiB", "TiB"});
-  std::size_t step = 0;
-  while (step + 1 < kNames.size() && value >= 1024 && value % 1024 == 0) {
-    value /= 1024;
-    ++step;
-  }
-  return std::to_string(value) + " " + std::string(kNames.at(step)) + (unit == SettingUnit::bytes ? "" : "/s");
-}
-
-bool is_choice(std::string_view choices, std::string_view value) {
-  while (!choices.empty()) {
-    const std::string_view each = choices.substr(0, choices.find('|'));
-    if (each == value) return true;
-    choices.remove_prefix(std::min(choices.size(), each.size() + 1));
-  }
-  return false;
+Error wrong(const Setting& setting, std::string_view value) {
+  return with_fault({ErrorCode::invalid_usage,
+                     std::string(setting.name) + " is '" + std::string(value) + "'; allowed is " + allowed(setting)},
+                    {std::string(setting.name), std::string(value), allowed(setting)});
 }
 
 }  // namespace
@@ -189,19 +147,18 @@ std::string allowed(const Setting& setting) {
 }
 
 Status assign(const Setting& setting, std::string_view value, Settings& settings) {
-  const Error wrong{ErrorCode::invalid_usage,
-                    std::string(setting.name) + " is '" + std::string(value) + "'; allowed is " + allowed(setting)};
   if (const auto* path = std::get_if<std::filesystem::path Settings::*>(&setting.place)) {
     settings.*(*path) = std::filesystem::path(value);
     return Done{};
   }
   if (const auto* text = std::get_if<std::string Settings::*>(&setting.place)) {
-    if (!setting.choices.empty() && !is_choice(setting.choices, value)) return wrong;
+    const std::vector<std::string> choices = choices_of(setting);
+    if (!choices.empty() && std::ranges::find(choices, value) == choices.end()) return wrong(setting, value);
     settings.*(*text) = std::string(value);
     return Done{};
   }
   const auto number = number_in(setting.unit, value);
-  if (!number || *number < setting.least || *number > setting.most) return wrong;
+  if (!number || *number < setting.least || *number > setting.most) return wrong(setting, value);
   settings.*std::get<std::uint64_t Settings::*>(setting.place) = *number;
   return Done{};
 }

@@ -10,10 +10,9 @@
 
 #include "base/base.hpp"
 #include "config/settings.hpp"
+#include "config/units.hpp"
 
 namespace surfaced {
-
-enum class SettingUnit : std::uint8_t { text, path, count, bytes, seconds, bytes_per_second };
 
 /// One line of the table: what can be set, in what unit, within what bounds, and what it is for.
 struct Setting {
@@ -33,14 +32,14 @@ std::span<const Setting> setting_table();
 /// SURFACED_JOB_MEMORY for job-memory.
 std::string environment_name(const Setting& setting);
 
-/// "1000", "256 MiB", "30 s": as the documentation writes it, and as `assign` reads it.
+/// "1000", "256 MiB", "30 s", "1 d": as the documentation writes it, and as `assign` reads it.
 std::string shown(const Setting& setting, const Settings& settings);
 
 /// What is allowed, in words.
 std::string allowed(const Setting& setting);
 
-/// Puts the value into its place. Bytes take a unit: 4096, 64KiB, 4 GiB (K, M, G, T mean the same).
-/// @return  invalid_usage that names the value and what is allowed
+/// Puts the value into its place; sizes and durations take units (config/units.hpp).
+/// @return  invalid_usage that names the setting, the value, what is allowed, and a word that was meant
 Status assign(const Setting& setting, std::string_view value, Settings& settings);
 
 }  // namespace surfaced

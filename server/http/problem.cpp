@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/nearest.hpp"
 #include "proto/embedded.hpp"
 
 namespace surfaced::http {
@@ -60,12 +61,13 @@ int status_of(ErrorCode code) { return row_of(code).status; }
 
 Json problem_json(const Error& error, std::string_view instance, std::string_view request_id) {
   const Row& row = row_of(error.code);
+  const std::string meant = did_you_mean(error);
   Json problem{{"type", table().type_base + std::string(name_of(error.code))},
                {"title", row.title},
                {"status", row.status},
                {"detail", error.detail},
                {"code", name_of(error.code)},
-               {"hint", row.hint}};
+               {"hint", meant.empty() ? row.hint : meant + " " + row.hint}};
   if (error.fault) {
     problem["field"] = error.fault->field;
     problem["value"] = error.fault->value ? Json(*error.fault->value) : Json();

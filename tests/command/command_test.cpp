@@ -121,6 +121,80 @@ TEST_F(Command, tells_people_at_a_terminal_what_was_made_and_what_to_beware_of) 
   EXPECT_NE(seen.find("warning: the mesh is open"), std::string::npos) << seen;
 }
 
+/// What a person sees who types this, and the exit code.
+std::pair<int, std::string> at_a_terminal(const fs::path& folder, const std::string& arguments) {
+  const std::string command = std::string(SURFACED_BINARY) + " " + arguments;
+  const int status = std::system(("script -qec '" + command + "' /dev/null > " + (folder / "seen").string()).c_str());
+  std::string seen = read_all(folder / "seen");
+  std::erase(seen, '\r');
+  return {WEXITSTATUS(status), seen};
+}
+
+TEST_F(Command, tells_people_at_a_terminal_what_is_wrong_where_what_is_allowed_and_what_was_meant) {
+  struct Case {
+    std::string arguments;
+    int exit_code;
+    std::vector<std::string> lines;
+  };
+  const std::string cloud = sphere();
+  const std::string here = folder_.string();
+  const std::vector<Case> cases{
+      {"reconstrct x", 2, {"what      'reconstrct' is no command", "Did you mean 'reconstruct'?"}},
+      {"", 2, {"no command is given", "allowed   one of reconstruct"}},
+      {"reconstruct " + cloud, 2, {"where     -o", "surfaced reconstruct CLOUD -o MESH"}},
+      {"reconstruct " + cloud + " -o m.glb --metod x", 2, {"where     --metod", "Did you mean '--method'?"}},
+      {"reconstruct " + cloud + " -o m.glb --threads 0", 2, {"where     --threads", "value     0", "1 - 1024"}},
+      {"reconstruct " + cloud + " -o m.glb --output clud", 2, {"value     clud", "Did you mean 'cloud'?"}},
+      {"reconstruct " + cloud + " -o m.glb --method local-delauny",
+       2,
+       {"where     method", "value     local-delauny", "Did you mean 'local-delaunay'?",
+        "code      unknown_method, exit 2"}},
+      {"reconstruct " + cloud + " -o m.glb --param varant=best", 2, {"where     varant", "Did you mean 'variant'?"}},
+      {"reconstruct " + cloud + " -o m.glb --param variant=bset", 2, {"value     \"bset\"", "Did you mean 'best'?"}},
+      {"reconstruct " + cloud + " -o " + here + "/no/m.glb", 2, {"where     -o", "mkdir -p"}},
+      {"reconstruct " + here + "/spere.ply -o m.glb", 3, {"where     CLOUD", "Did you mean 'sphere.ply'?"}},
+      {"measure " + here + "/spere.ply", 3, {"where     MESH", "Did you mean 'sphere.ply'?"}},
+      {"serve --data " + here + "/d --memory 2GB", 2, {"where     --memory", "Did you mean '--job-memory'?"}},
+      {"serve --data " + here + "/d --ttl 1y",
+       2,
+       {"where     ttl", "value     1y", "allowed   1 s to 365 d", "1.5 h, 1 d"}},
+      {"serve", 2, {"where     data", "--data ./surfaced-data"}},
+      {"check-config --log-format jsn --data " + here, 2, {"where     log-format", "Did you mean 'json'?"}},
+      {"methods --jsn", 2, {"where     --jsn", "Did you mean '--json'?"}},
+      {"keys lst", 2, {"'lst' is no command", "Did you mean 'list'?"}},
+      {"keys add k.json --name n --stored-bytes 5x", 2, {"where     --stored-bytes", "1.5 GB"}},
+      {"backup " + here, 2, {"where     --data"}},
+      {"backup " + here + " --data " + here, 2, {"where     TARGET", "is not empty"}},
+  };
+  for (const Case& each : cases) {
+    const auto [code, seen] = at_a_terminal(folder_, each.arguments);
+    EXPECT_EQ(code, each.exit_code) << each.arguments << "\n" << seen;
+    for (const std::string& line : each.lines) EXPECT_THAT(seen, HasSubstr(line)) << each.arguments;
+    EXPECT_THAT(seen, HasSubstr("hint      ")) << each.arguments;
+    EXPECT_THAT(seen, ::testing::Not(HasSubstr("{\"code\""))) << each.arguments;
+  }
+}
+
+TEST_F(Command, errors_are_json_with_the_same_parts_where_asked_or_where_no_terminal_is) {
+  for (const char* const arguments :
+       {"reconstruct --json c.ply -o m.glb --method magik", "methods --json --flat", "keys list k.json --json"}) {
+    const auto [code, seen] = at_a_terminal(folder_, arguments);
+    EXPECT_NE(code, 0) << arguments;
+    EXPECT_TRUE(nlohmann::json::accept(seen)) << arguments << "\n" << seen;
+  }
+  const auto told = problem(run({"reconstruct", sphere(), "-o", folder_ / "m.glb", "--method", "poison"}));
+  EXPECT_EQ(told.at("field"), "method");
+  EXPECT_EQ(told.at("value"), "poison");
+  EXPECT_THAT(told.at("allowed").get<std::string>(), HasSubstr("poisson"));
+  EXPECT_THAT(told.at("hint").get<std::string>(), HasSubstr("Did you mean 'poisson'?"));
+  EXPECT_THAT(told.at("hint").get<std::string>(), ::testing::Not(HasSubstr("GET /")));
+}
+
+TEST_F(Command, what_a_file_or_an_argument_says_cannot_write_elsewhere_on_a_terminal) {
+  const auto seen = at_a_terminal(folder_, "reconstruct x.ply -o m.glb --method \"$(printf \"\\033[2J\")\"").second;
+  EXPECT_EQ(seen.find('\x1b'), std::string::npos) << seen;
+}
+
 TEST_F(Command, writes_the_points_of_a_method_that_makes_some_upsampled_and_completed) {
   std::vector<Point3> open = testing::sphere_points(4000);
   std::erase_if(open, [](const Point3& p) { return p[2] > 0.8; });
@@ -294,7 +368,7 @@ TEST_F(Command, a_normal_that_is_not_finite_is_dropped_with_a_warning) {
 }
 
 TEST_F(Command, every_shared_cloud_gives_a_mesh_whose_report_agrees_with_a_recount) {
-  if (!fs::exists(SURFACED_SHARED_DATA)) GTEST_SKIP() << "the shared clouds are not here";
+  if (!fs::exists(SURFACED_SHARED_DATA)) GTEST_SKIP() << "./dev data fetches its clouds";
   for (const auto& entry : fs::directory_iterator(SURFACED_SHARED_DATA)) {
     const std::string extension = entry.path().extension();
     if (extension != ".ply" && extension != ".drc") continue;

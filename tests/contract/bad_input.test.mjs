@@ -22,6 +22,7 @@ async function refused(answer, status, code, field, value, allowed) {
   assert.equal(`${got} ${body.code}`, `${status} ${code}`, body.detail);
   assert.equal(headers.get('content-type'), 'application/problem+json');
   assert.equal(body.status, status);
+  assert.equal(body.type, `urn:surfaced:error:${code}`);
   assert.equal(body.request_id, headers.get('x-request-id'));
   assert.equal(body.field, field, body.detail);
   assert.equal(body.value, value);

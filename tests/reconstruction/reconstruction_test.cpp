@@ -9,8 +9,10 @@
 #include <algorithm>
 #include <fstream>
 #include <random>
+#include <set>
 #include <sstream>
 
+#include "reconstruction/input_vertices.hpp"
 #include "support/shapes.hpp"
 
 namespace surfaced {
@@ -254,6 +256,51 @@ TEST(Run, prepares_the_cloud_as_a_file_s) {
                           *check_parameters(front(), Json{{"smooth", "jet"}}), context);
   ASSERT_TRUE(merged) << merged.error().detail;
   EXPECT_THAT(merged->warnings, ::testing::Contains(HasSubstr("duplicate points merged")));
+}
+
+/// Every entry names a vertex at the input point's place; a point without one lies on no vertex at all.
+void expect_right(const PointCloud& cloud, const Reconstruction& made, const std::vector<Point3>& points) {
+  const std::vector<VertexIndex> of_input = vertices_of_input(cloud, made.mesh);
+  ASSERT_EQ(of_input.size(), points.size());
+  const std::set<Point3> vertices(made.mesh.positions.begin(), made.mesh.positions.end());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const VertexIndex v = of_input[i];
+    ASSERT_EQ(v.valid(), vertices.contains(points[i])) << i;
+    if (v.valid()) {
+      ASSERT_EQ(made.mesh.positions.at(v), points[i]) << i;
+    }
+  }
+}
+
+TEST(Run, tells_the_vertex_of_every_input_point_of_any_method) {
+  Context context;
+  std::vector<Point3> points = testing::sphere_points(1000);
+  for (int i = 0; i < 20; ++i)
+    points.insert(points.begin(), Point3{i * 0.01, 0.02, 0.01 * (i % 7)});  // inside, and unused
+  points.push_back(points[500]);
+  const auto cloud = make_cloud(testing::raw_cloud(points));
+  for (const char* id : {"minimum-boundary", "local-delaunay", "advancing-front", "poisson"}) {
+    SCOPED_TRACE(id);
+    const MethodInfo& method = **find_method(id);
+    const auto made = run(*cloud, method, *check_parameters(method, Json::object()), context);
+    ASSERT_TRUE(made) << made.error().detail;
+    expect_right(*cloud, *made, points);
+  }
+}
+
+TEST(Run, tells_the_vertex_of_every_input_point_whatever_the_stages_did) {
+  Context context;
+  const std::vector<Point3> points = testing::sphere_points(1000);
+  const auto cloud = make_cloud(testing::raw_cloud(points));
+  for (const Json& stages : {Json{{"sample", "grid"}}, Json{{"smooth", "jet"}}, Json{{"simplify", 500}}}) {
+    SCOPED_TRACE(stages.dump());
+    const auto made = run(*cloud, front(), *check_parameters(front(), stages), context);
+    ASSERT_TRUE(made) << made.error().detail;
+    if (!stages.contains("smooth")) {
+      EXPECT_LT(made->mesh.positions.size(), points.size());
+    }
+    expect_right(*cloud, *made, points);
+  }
 }
 
 TEST(MethodJson, says_of_every_method_that_stages_act_before_and_after_it) {
