@@ -90,11 +90,11 @@ class Builder {
     std::array<EdgeIndex, 3> edges;
   };
   struct Returning {
-    double squared;
+    std::array<double, 3> squares;
     Vertices vertices;
     SideIndex side;
     friend bool operator<(const Returning& a, const Returning& b) {
-      return a.squared != b.squared ? a.squared > b.squared : b.vertices < a.vertices;
+      return a.squares != b.squares ? b.squares < a.squares : b.vertices < a.vertices;
     }
   };
 
@@ -226,7 +226,7 @@ class Builder {
       cells_[mate / 4].forget(mate % 4);
       ++reinserted_;
     }
-    again_.push({criterion_.squared(vertices), vertices, side});
+    again_.push({criterion_.squares(vertices), vertices, side});
   }
 
   const DelaunayComplex& complex_;

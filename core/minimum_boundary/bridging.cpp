@@ -97,11 +97,11 @@ std::vector<CellIndex> chain(const Labelling& labels, UnionFind& parts, std::uin
 
 }  // namespace
 
-Result<Bridged> bridge(Labelling& labels, const FacetSet& boundary, const Criterion& criterion, const Context& context,
-                       unsigned threads) {
+Result<Bridged> bridge(Labelling& labels, const FacetSet& boundary, const Criterion& criterion, std::size_t wanted,
+                       const Context& context, unsigned threads) {
   std::size_t components = measure(labels, criterion).components;
   Bridged bridged{components, components};
-  for (std::size_t bridges = 0; bridged.components > 1 && bridges < kMostBridges; ++bridges) {
+  for (std::size_t bridges = 0; bridged.components > wanted && bridges < kMostBridges; ++bridges) {
     UnionFind parts = components_of(labels);
     bool joined = false;
     std::size_t tries = 0;

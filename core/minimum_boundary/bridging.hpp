@@ -13,13 +13,13 @@ struct Bridged {
   std::size_t components = 0;
 };
 
-/// While there are several components, joins the smallest one that can be joined to another along the cheapest
+/// While there are more components than wanted, joins the smallest one that can be joined to another along the cheapest
 /// chain of cells between them (outside cells become inside; for a cavity the other way), then inflates. A
 /// bridge that does not lower the number of components is taken back.
 /// Precondition and postcondition: every vertex is good.
 /// @return  what is left; cancelled.
 /// @cost    a search and an inflation, O(cells), per bridge; nothing for one component. At most 64 bridges.
-Result<Bridged> bridge(Labelling& labels, const FacetSet& boundary, const Criterion& criterion, const Context& context,
-                       unsigned threads);
+Result<Bridged> bridge(Labelling& labels, const FacetSet& boundary, const Criterion& criterion, std::size_t wanted,
+                       const Context& context, unsigned threads);
 
 }  // namespace surfaced::boundary

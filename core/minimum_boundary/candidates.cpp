@@ -11,6 +11,7 @@
 #include "base/parallel.hpp"
 #include "minimum_boundary/colouring.hpp"
 #include "minimum_boundary/repair.hpp"
+#include "minimum_boundary/winding.hpp"
 
 namespace surfaced::boundary {
 namespace {
@@ -19,11 +20,18 @@ namespace {
 constexpr float kWeakVote = 0.3F;
 constexpr float kStrongVote = 1.0F;
 
+/// So many, made in different ways, are witnesses.
+constexpr std::size_t kManyCandidates = 10;
+/// What each thin vertex of a hollow candidate costs, in mean λ: of the 2 that a vertex adds to Σλ.
+constexpr double kThinVertex = 1;
+
 /// Below so many points a candidate takes a few milliseconds.
 constexpr std::size_t kSmallCloud = 5000;
 constexpr std::array kFurtherLevels{1.6F, 1.5F, 1.3F, 1.2F, 1.1F};
 
 std::vector<std::uint8_t> first_labels(const Material& m, const Recipe& recipe) {
+  if (recipe.kind == Recipe::Kind::guided) return guided_labels(m.complex, m.rated, m.guides[recipe.guide]);
+  if (recipe.kind == Recipe::Kind::wound) return wound_labels(m.complex, m.guides[recipe.guide], 1);
   const auto level = std::ranges::find(m.levels, recipe.level) - m.levels.begin();
   const Clusters& clusters = m.clusters[static_cast<std::size_t>(level)];
   if (recipe.kind == Recipe::Kind::flooded) return inside_of(clusters);
@@ -35,7 +43,7 @@ std::vector<std::uint8_t> first_labels(const Material& m, const Recipe& recipe) 
 
 /// One candidate from first labels to a manifold; none if cancelled.
 std::optional<Candidate> make_candidate(const Material& m, const Recipe& recipe, const Context& context) {
-  Candidate candidate{recipe, Labelling(m.complex), {}, {}, {}};
+  Candidate candidate{recipe, Labelling(m.complex), {}, {}, {}, {}};
   candidate.labels.assign(first_labels(m, recipe), 1);
   if (recipe.kind != Recipe::Kind::flooded) {
     if (!Repairer(candidate.labels, m.criterion, 1).repair_all(context)) return std::nullopt;
@@ -53,6 +61,8 @@ std::optional<Candidate> make_candidate(const Material& m, const Recipe& recipe,
 }  // namespace
 
 std::string name_of(const Recipe& recipe) {
+  if (recipe.kind == Recipe::Kind::guided) return "guided " + std::to_string(recipe.guide);
+  if (recipe.kind == Recipe::Kind::wound) return "wound " + std::to_string(recipe.guide);
   constexpr std::array kNames{"flooded", "coloured", "coloured-strictly"};
   const long hundredths = std::lround(100 * recipe.level);
   return std::string(kNames[static_cast<std::size_t>(recipe.kind)]) + " at " + std::to_string(hundredths / 100) + "." +
@@ -74,7 +84,9 @@ std::vector<Recipe> recipes_for(std::size_t points) {
 
 std::vector<float> levels_of(const std::vector<Recipe>& recipes) {
   std::vector<float> levels;
-  for (const Recipe& recipe : recipes) levels.push_back(recipe.level);
+  for (const Recipe& recipe : recipes) {
+    if (recipe.level > 0) levels.push_back(recipe.level);
+  }
   std::ranges::sort(levels, std::greater<>());
   levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   return levels;
@@ -96,18 +108,36 @@ Result<std::vector<Candidate>> make_candidates(const Material& material, Context
   return candidates;
 }
 
-std::size_t best_of(const std::vector<Candidate>& candidates, bool one_component) {
+std::int64_t usual_handles(const std::vector<Candidate>& candidates) {
+  if (candidates.size() < kManyCandidates) return 0;
+  for (const Candidate& c : candidates) {
+    const auto same = std::ranges::count_if(
+        candidates, [&](const Candidate& other) { return other.measures.handles() == c.measures.handles(); });
+    if (2 * static_cast<std::size_t>(same) > candidates.size()) return c.measures.handles();
+  }
+  return 0;
+}
+
+bool hollow(const Candidate& c) { return c.angles && c.angles->thin_share() > SolidAngles::kHollowShare; }
+
+void measure_angles(std::vector<Candidate>& candidates, unsigned threads) {
+  parallel_tasks(threads, candidates.size(), [&](std::size_t k) {
+    if (!candidates[k].angles) candidates[k].angles = solid_angles(candidates[k].labels, 1);
+  });
+}
+
+std::size_t best_of(const std::vector<Candidate>& candidates, std::size_t bodies) {
   const Measures& first = candidates.front().measures;
-  const Judge judge{static_cast<double>(first.energy) / static_cast<double>(first.facets)};
+  const Judge judge{static_cast<double>(first.energy) / static_cast<double>(first.facets), usual_handles(candidates)};
+  const auto rank = [&](const Candidate& c) {
+    const std::size_t components = c.measures.components;
+    const std::size_t off = bodies == 0 ? 0 : std::max(components, bodies) - std::min(components, bodies);
+    return std::pair(off,
+                     judge.score(c.measures) + (hollow(c) ? kThinVertex * static_cast<double>(c.angles->thin) : 0));
+  };
   std::size_t best = 0;
   for (std::size_t k = 1; k < candidates.size(); ++k) {
-    const Measures& a = candidates[k].measures;
-    const Measures& b = candidates[best].measures;
-    if (one_component && a.components != b.components) {
-      if (a.components < b.components) best = k;
-    } else if (judge.score(a) < judge.score(b)) {
-      best = k;
-    }
+    if (rank(candidates[k]) < rank(candidates[best])) best = k;
   }
   return best;
 }

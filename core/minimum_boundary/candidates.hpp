@@ -2,12 +2,16 @@
 // Several labellings made in different ways, each brought to a manifold; the best is kept.
 #pragma once
 
+#include <cstdlib>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "minimum_boundary/descent.hpp"
+#include "minimum_boundary/guiding_surface.hpp"
 #include "minimum_boundary/inflating.hpp"
 #include "minimum_boundary/measures.hpp"
+#include "minimum_boundary/solid_angles.hpp"
 #include "minimum_boundary/watershed.hpp"
 
 namespace surfaced::boundary {
@@ -21,11 +25,17 @@ struct Recipe {
     coloured,
     /// Parity colouring that follows strong votes only; cavities cleaned; symmetric repair.
     coloured_strictly,
+    /// Labels spread from a guiding surface through the points; symmetric repair.
+    guided,
+    /// Labels by the winding number of a guiding surface through other points; symmetric repair.
+    wound,
   };
   Kind kind = Kind::flooded;
   float level = 0;
+  /// Of kinds guided and wound: which guiding surface.
+  std::size_t guide = 0;
 };
-/// As "coloured at 1.40".
+/// As "coloured at 1.40", "guided 0".
 std::string name_of(const Recipe& recipe);
 
 /// The recipes for a cloud of so many points: flood at the thorough level, colouring, strict colouring, flood at
@@ -41,6 +51,8 @@ struct Candidate {
   Measures measures;
   Inflated inflated;
   Descent descent;
+  /// Measured where there is reason to.
+  std::optional<SolidAngles> angles = std::nullopt;
 };
 
 /// What the candidates are made from.
@@ -53,24 +65,39 @@ struct Material {
   const std::vector<float>& levels;
   /// At each level.
   const std::vector<Clusters>& clusters;
+  const std::vector<GuidingSurface>& guides;
 };
 
 /// Makes all candidates, in the order of the recipes, each on one thread, several at a time.
 /// @return  cancelled.
 Result<std::vector<Candidate>> make_candidates(const Material& material, Context& context);
 
-/// Weighs Σλ in units of a mean λ against interior vertices and handles; less is better.
+/// Weighs Σλ in units of a mean λ against interior vertices and handles that are missing or too many; less is better.
 struct Judge {
   double mean_energy;
+  std::int64_t usual_handles = 0;
   static constexpr double kInterior = 6;
+  /// A handle too many, and one that is missing or too many where most candidates agree on a number.
   static constexpr double kHandle = 3;
+  static constexpr double kWitnessed = 6;
+  static double handle_price(std::int64_t usual) { return usual > 0 ? kWitnessed : kHandle; }
   double score(const Measures& m) const {
     return static_cast<double>(m.energy) / mean_energy + kInterior * static_cast<double>(m.interior) +
-           kHandle * static_cast<double>(m.handles());
+           handle_price(usual_handles) * static_cast<double>(std::abs(m.handles() - usual_handles));
   }
 };
 
-/// The candidate of least (components, score), or of least score where several components are welcome.
-std::size_t best_of(const std::vector<Candidate>& candidates, bool one_component);
+/// The handles that more than half of the candidates have, where they are many; else 0.
+std::int64_t usual_handles(const std::vector<Candidate>& candidates);
+
+/// Whether a candidate whose angles were measured is in large part a ribbon that turns back upon itself.
+bool hollow(const Candidate& candidate);
+
+/// Measures the angles of all candidates.
+void measure_angles(std::vector<Candidate>& candidates, unsigned threads);
+
+/// The candidate of least score, hollow ones at a disadvantage, among those whose number of components is nearest to
+/// `bodies`; among all if that is 0.
+std::size_t best_of(const std::vector<Candidate>& candidates, std::size_t bodies);
 
 }  // namespace surfaced::boundary

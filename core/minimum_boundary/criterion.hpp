@@ -24,6 +24,16 @@ class Criterion {
     const auto [a, b, c] = facet;
     return std::max({edge_squared(a, b), edge_squared(a, c), edge_squared(b, c)});
   }
+  /// The squares of all three edges, longest first. Facets around one edge have the same λ: the shorter edges tell them
+  /// apart by shape, where their vertices would by chance.
+  std::array<double, 3> squares(const std::array<VertexIndex, 3>& facet) const {
+    const auto [a, b, c] = facet;
+    std::array<double, 3> edges{edge_squared(a, b), edge_squared(a, c), edge_squared(b, c)};
+    if (edges[0] < edges[1]) std::swap(edges[0], edges[1]);
+    if (edges[1] < edges[2]) std::swap(edges[1], edges[2]);
+    if (edges[0] < edges[1]) std::swap(edges[0], edges[1]);
+    return edges;
+  }
   double edge_squared(VertexIndex a, VertexIndex b) const {
     const Point3 d = complex_.positions[b] - complex_.positions[a];
     return dot(d, d);
@@ -47,10 +57,11 @@ class Criterion {
     return {energy(qr, qs, rs), energy(pr, ps, rs), energy(pq, ps, qs), energy(pq, pr, qr)};
   }
 
-  /// Order of the paper: ascending λ, ties lexicographically.
-  bool less(SideIndex a, SideIndex b) const { return less(a, squared(a), b, squared(b)); }
-  bool less(SideIndex a, double squared_a, SideIndex b, double squared_b) const {
-    return squared_a != squared_b ? squared_a < squared_b : complex_.facet(a) < complex_.facet(b);
+  /// Ascending λ, ties by the second longest edge, then the shortest, then lexicographically.
+  bool less(SideIndex a, SideIndex b) const {
+    const auto first = squares(complex_.facet(a));
+    const auto second = squares(complex_.facet(b));
+    return first != second ? first < second : complex_.facet(a) < complex_.facet(b);
   }
 
   /// An energy in the unit of the input.

@@ -65,6 +65,19 @@ class Bending {
 
   void flip(CellIndex c) { labels_.flip(c); }
 
+  /// Length of the edge that a flip brings over that of the one it takes.
+  double stretch(CellIndex c) const {
+    const unsigned border = labels_.border(c);
+    const auto i = static_cast<std::size_t>(std::countr_zero(border));
+    const auto j = static_cast<std::size_t>(std::bit_width(border)) - 1;
+    std::array<std::size_t, 2> rest;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (k != i && k != j) rest[count++] = k;
+    }
+    return length(c, i, j) / length(c, rest[0], rest[1]);
+  }
+
  private:
   /// Every edge once, at the lesser of the two inner sides that meet at it.
   double at_cell(CellIndex c) const {
@@ -123,23 +136,56 @@ class Bending {
 
 }  // namespace
 
-double curvature_reduction(Labelling labels, unsigned threads) {
+namespace {
+
+/// Flips the cells, in their order, wherever that lowers K when their turn comes; returns by how much K fell. Leaves in
+/// `cells` those that share an edge with a flipped one, ascending.
+double flip_in_turn(Labelling& labels, Bending& bending, double stretch, std::vector<CellIndex>& cells,
+                    std::size_t& flipped) {
+  const DelaunayComplex& complex = labels.complex();
+  double removed = 0;
+  std::vector<CellIndex> near;
+  for (const CellIndex c : cells) {
+    const double gain = bending.gain(c);
+    if (!(gain > 0) || bending.stretch(c) > stretch) continue;
+    bending.flip(c);
+    ++flipped;
+    removed += gain;
+    for (const auto& [a, b] : kCellEdges) {
+      EdgeWalk walk(complex, c, a, b);
+      do {
+        near.push_back(walk.cell());
+        walk.advance();
+      } while (walk.cell() != c);
+    }
+  }
+  std::ranges::sort(near);
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  cells = std::move(near);
+  return removed;
+}
+
+}  // namespace
+
+Straightened straighten(Labelling& labels, double stretch, unsigned rounds, unsigned threads) {
   Bending bending(labels);
-  const double total = bending.total(threads);
-  const std::size_t cells = labels.complex().cells();
-  std::vector<std::uint8_t> wanted(cells);
-  parallel_ranges(threads, cells, [&](std::size_t begin, std::size_t end) {
+  Straightened result{bending.total(threads)};
+  std::vector<std::uint8_t> wanted(labels.complex().cells());
+  parallel_ranges(threads, wanted.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) wanted[c] = bending.gain(CellIndex(c)) > 0 ? 1 : 0;
   });
-  double removed = 0;
-  for (std::size_t c = 0; c < cells; ++c) {
-    if (wanted[c] == 0) continue;
-    // What its neighbours did since may have changed it.
-    const double gain = bending.gain(CellIndex(c));
-    if (gain > 0) bending.flip(CellIndex(c));
-    removed += gain;
+  std::vector<CellIndex> cells;
+  for (std::size_t c = 0; c < wanted.size(); ++c) {
+    if (wanted[c] != 0) cells.emplace_back(c);
   }
-  return total > 0 ? 100 * removed / total : 0;
+  for (unsigned round = 0; round < rounds && !cells.empty(); ++round) {
+    result.removed += flip_in_turn(labels, bending, stretch, cells, result.flipped);
+  }
+  return result;
+}
+
+double curvature_reduction(Labelling labels, unsigned threads) {
+  return straighten(labels, INFINITY, 1, threads).percent();
 }
 
 }  // namespace surfaced::boundary

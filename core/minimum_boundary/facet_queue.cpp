@@ -91,10 +91,11 @@ void FacetQueue::sort_next_bucket() {
   sorted_ = end;
 }
 
-/// Facets whose rounded λ² is the same: exactly, then by their vertices. Most ties are the facets at one edge.
+/// Facets whose rounded λ² is the same: exactly, then by the other edges, then by their vertices. Most ties are the
+/// facets at one edge.
 void FacetQueue::sort_ties(std::span<ListedFacet> facets) {
   ties_.clear();
-  for (const ListedFacet& f : facets) ties_.emplace_back(criterion_.squared(f.vertices), f);
+  for (const ListedFacet& f : facets) ties_.emplace_back(criterion_.squares(f.vertices), f);
   std::ranges::sort(ties_, [](const auto& a, const auto& b) {
     return a.first != b.first ? a.first < b.first : a.second.vertices < b.second.vertices;
   });

@@ -19,7 +19,7 @@ struct ListedFacet {
   std::array<VertexIndex, 3> vertices;
 };
 
-/// Every finite facet once, by ascending λ, ties lexicographically. The facets are dealt into buckets by
+/// Every finite facet once, in the order of Criterion::less. The facets are dealt into buckets by
 /// rounded λ²; a bucket is sorted when the first facet of it is asked for. Algorithm 1 ends long before the
 /// longest facets, which are most of a volume's.
 class FacetQueue {
@@ -49,7 +49,7 @@ class FacetQueue {
   std::size_t sorted_ = 0;
   std::size_t next_ = 0;
   std::vector<ListedFacet> block_;
-  std::vector<std::pair<double, ListedFacet>> ties_;
+  std::vector<std::pair<std::array<double, 3>, ListedFacet>> ties_;
 };
 
 }  // namespace surfaced::boundary

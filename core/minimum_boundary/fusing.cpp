@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "base/union_find.hpp"
 
@@ -10,7 +11,6 @@ namespace surfaced::boundary {
 namespace {
 
 constexpr double kInterior = Judge::kInterior;
-constexpr double kEuler = Judge::kHandle / 2;
 
 /// Cells in which the labellings differ, sorted by region, then by cell.
 std::vector<std::pair<std::uint32_t, CellIndex>> differences(const Labelling& a, const Labelling& b) {
@@ -29,13 +29,14 @@ std::vector<std::pair<std::uint32_t, CellIndex>> differences(const Labelling& a,
 
 class Fuser {
  public:
-  Fuser(Labelling& labels, const Labelling& other, const Criterion& criterion, bool one_component,
+  Fuser(Labelling& labels, const Labelling& other, const Criterion& criterion, bool one_component, Handles& handles,
         SurfaceSearch& search)
       : labels_(labels),
         other_(other),
         complex_(labels.complex()),
         criterion_(criterion),
         one_component_(one_component),
+        handles_(handles),
         search_(search) {}
 
   Fused run() {
@@ -63,7 +64,11 @@ class Fuser {
     const std::size_t after = search_.components(labels_, vertices_);
     if (euler_change != 0 && after == before) fused_.margin = std::min(fused_.margin, std::abs(gain));
     const bool better = after < before ? one_component_ || gain < 0 : after == before && gain < 0;
-    if (!better) flip();
+    if (better) {
+      handles_.now += static_cast<std::int64_t>(after) - static_cast<std::int64_t>(before) - euler_change / 2;
+    } else {
+      flip();
+    }
     return better;
   }
 
@@ -113,8 +118,10 @@ class Fuser {
     flip();
     const double mean = static_cast<double>(std::max<std::int64_t>(1, energy_sum)) / static_cast<double>(facets);
     const std::int64_t euler_change = -interior_change - facet_change / 2;
-    return {static_cast<double>(energy_change) / mean + kInterior * static_cast<double>(interior_change) -
-                kEuler * static_cast<double>(euler_change),
+    return {static_cast<double>(energy_change) / mean + kInterior * static_cast<double>(interior_change) +
+                Judge::handle_price(handles_.usual) *
+                    static_cast<double>(std::abs(handles_.now - euler_change / 2 - handles_.usual) -
+                                        std::abs(handles_.now - handles_.usual)),
             euler_change};
   }
 
@@ -123,6 +130,7 @@ class Fuser {
   const DelaunayComplex& complex_;
   const Criterion& criterion_;
   bool one_component_;
+  Handles& handles_;
   SurfaceSearch& search_;
   Fused fused_;
   std::vector<CellIndex> region_;
@@ -131,9 +139,9 @@ class Fuser {
 
 }  // namespace
 
-Fused fuse(Labelling& labels, const Labelling& other, const Criterion& criterion, bool one_component,
+Fused fuse(Labelling& labels, const Labelling& other, const Criterion& criterion, bool one_component, Handles& handles,
            SurfaceSearch& search) {
-  return Fuser(labels, other, criterion, one_component, search).run();
+  return Fuser(labels, other, criterion, one_component, handles, search).run();
 }
 
 }  // namespace surfaced::boundary

@@ -9,6 +9,12 @@
 
 namespace surfaced::boundary {
 
+/// Handles of the surface, and how many most candidates have.
+struct Handles {
+  std::int64_t now = 0;
+  std::int64_t usual = 0;
+};
+
 struct Fused {
   std::size_t regions = 0;
   std::size_t taken = 0;
@@ -19,9 +25,10 @@ struct Fused {
 
 /// The cells in which two manifold labellings differ fall into regions that share no vertex, so that any choice
 /// of regions is manifold again: the star of every vertex comes wholly from one of the two. Takes a region if
-/// ΔΣλ / λ(region) + 6 Δint - 3/2 Δχ < 0 and it adds no component, or (one_component) if it removes one.
+/// ΔΣλ / λ(region) + 6 Δint + 3 Δ|handles - usual| < 0 and it adds no component, or (one_component) if it removes one.
+/// Keeps `handles.now`.
 /// @cost  O(cells) and a search near each region that is better.
-Fused fuse(Labelling& labels, const Labelling& other, const Criterion& criterion, bool one_component,
+Fused fuse(Labelling& labels, const Labelling& other, const Criterion& criterion, bool one_component, Handles& handles,
            SurfaceSearch& search);
 
 }  // namespace surfaced::boundary

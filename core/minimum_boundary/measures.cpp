@@ -36,39 +36,83 @@ Measures measure(const Labelling& labels, const Criterion& criterion) {
   return measures;
 }
 
-Sheets sheets_of(const Labelling& labels, const Criterion& criterion) {
-  constexpr double kLong = 10;
-  constexpr std::size_t kPartsAtMost = 100;
-  const DelaunayComplex& complex = labels.complex();
-  std::vector<double> spacing(complex.points(), INFINITY);
-  std::vector<std::array<VertexIndex, 3>> facets;
-  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) {
-    if (!labels.in(CellIndex(s / 4)) || !labels.on_border(SideIndex(s))) continue;
-    const auto facet = complex.facet(SideIndex(s));
-    facets.push_back(facet);
+namespace {
+
+constexpr double kLong = 10;
+constexpr double kFar = 8;
+constexpr std::size_t kPartsAtMost = 100;
+
+double squared_length(const Point3& edge) { return dot(edge, edge); }
+
+/// The square of the shortest edge at each vertex; infinite at points that are not on the surface.
+std::vector<double> squared_spacings(const std::vector<Point3>& positions, const std::vector<Triangle>& triangles) {
+  std::vector<double> spacing(positions.size(), INFINITY);
+  for (const Triangle& t : triangles) {
     for (std::size_t i = 0; i < 3; ++i) {
-      const VertexIndex a = facet[i];
-      const VertexIndex b = facet[(i + 1) % 3];
-      const double squared = criterion.edge_squared(std::min(a, b), std::max(a, b));
+      const VertexIndex a = std::min(t[i], t[(i + 1) % 3]);
+      const VertexIndex b = std::max(t[i], t[(i + 1) % 3]);
+      const double squared = squared_length(positions[b] - positions[a]);
       spacing[a] = std::min(spacing[a], squared);
       spacing[b] = std::min(spacing[b], squared);
     }
   }
+  return spacing;
+}
+
+bool is_sheet(const std::vector<Point3>& positions, const std::vector<double>& spacing, const Triangle& t) {
+  double longest = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const VertexIndex a = std::min(t[i], t[(i + 1) % 3]);
+    const VertexIndex b = std::max(t[i], t[(i + 1) % 3]);
+    longest = std::max(longest, squared_length(positions[b] - positions[a]));
+  }
+  return longest > kLong * kLong * std::max({spacing[t[0]], spacing[t[1]], spacing[t[2]]});
+}
+
+/// Vertices of spikes.
+std::size_t count_outliers(const std::vector<Triangle>& triangles, const std::vector<double>& spacing) {
+  std::vector<double> around(spacing.size(), 0);
+  for (const Triangle& t : triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      around[t[i]] = std::max({around[t[i]], spacing[t[(i + 1) % 3]], spacing[t[(i + 2) % 3]]});
+    }
+  }
+  std::size_t count = 0;
+  for (std::size_t v = 0; v < spacing.size(); ++v) {
+    if (std::isfinite(spacing[v]) && spacing[v] > kFar * kFar * around[v]) ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> mark_sheets(const std::vector<Point3>& positions, const std::vector<Triangle>& triangles) {
+  const std::vector<double> spacing = squared_spacings(positions, triangles);
+  std::vector<std::uint8_t> marks(triangles.size());
+  for (std::size_t t = 0; t < marks.size(); ++t) marks[t] = is_sheet(positions, spacing, triangles[t]) ? 1 : 0;
+  return marks;
+}
+
+Sheets sheets_of(const Labelling& labels) {
+  const DelaunayComplex& complex = labels.complex();
+  std::vector<Triangle> facets;
+  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) {
+    if (labels.in(CellIndex(s / 4)) && labels.on_border(SideIndex(s))) facets.push_back(complex.facet(SideIndex(s)));
+  }
+  const std::vector<double> spacing = squared_spacings(complex.positions, facets);
   double area = 0;
   double sheets = 0;
   UnionFind parts(complex.points());
-  for (const auto& [a, b, c] : facets) {
-    const Point3 u = complex.positions[b] - complex.positions[a];
-    const Point3 v = complex.positions[c] - complex.positions[a];
+  for (const Triangle& t : facets) {
+    const Point3 u = complex.positions[t[1]] - complex.positions[t[0]];
+    const Point3 v = complex.positions[t[2]] - complex.positions[t[0]];
     const double size = norm(cross(u, v));
-    const double longest =
-        std::max({criterion.edge_squared(a, b), criterion.edge_squared(a, c), criterion.edge_squared(b, c)});
     area += size;
-    if (longest > kLong * kLong * std::max({spacing[a], spacing[b], spacing[c]})) {
+    if (is_sheet(complex.positions, spacing, t)) {
       sheets += size;
     } else {
-      parts.unite(a, b);
-      parts.unite(a, c);
+      parts.unite(t[0], t[1]);
+      parts.unite(t[0], t[2]);
     }
   }
   std::vector<std::size_t> sizes(complex.points(), 0);
@@ -76,7 +120,8 @@ Sheets sheets_of(const Labelling& labels, const Criterion& criterion) {
   // Points inside and points that only sheets touch are alone.
   const std::size_t least = std::max<std::size_t>(2, complex.points() / kPartsAtMost);
   return {area > 0 ? sheets / area : 0,
-          static_cast<std::size_t>(std::ranges::count_if(sizes, [&](std::size_t n) { return n >= least; }))};
+          static_cast<std::size_t>(std::ranges::count_if(sizes, [&](std::size_t n) { return n >= least; })),
+          count_outliers(facets, spacing)};
 }
 
 }  // namespace surfaced::boundary

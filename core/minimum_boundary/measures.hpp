@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "minimum_boundary/criterion.hpp"
 #include "minimum_boundary/labelling.hpp"
@@ -35,7 +36,11 @@ struct Sheets {
   double area_share = 0;
   /// Parts that only sheets connect, of at least a hundredth of the points each.
   std::size_t parts = 0;
+  /// Vertices more than eight times as far from all their surface neighbours as any of those from its nearest.
+  std::size_t outliers = 0;
 };
-Sheets sheets_of(const Labelling& labels, const Criterion& criterion);
+/// Per triangle 1 if it is a sheet.
+std::vector<std::uint8_t> mark_sheets(const std::vector<Point3>& positions, const std::vector<Triangle>& triangles);
+Sheets sheets_of(const Labelling& labels);
 
 }  // namespace surfaced::boundary

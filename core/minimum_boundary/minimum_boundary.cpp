@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "minimum_boundary/minimum_boundary.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -8,6 +9,7 @@
 #include <string>
 
 #include "base/parallel.hpp"
+#include "minimum_boundary/bodies.hpp"
 #include "minimum_boundary/boundary_complex.hpp"
 #include "minimum_boundary/bridging.hpp"
 #include "minimum_boundary/candidates.hpp"
@@ -15,6 +17,7 @@
 #include "minimum_boundary/criterion.hpp"
 #include "minimum_boundary/curvature.hpp"
 #include "minimum_boundary/descent.hpp"
+#include "minimum_boundary/flatness.hpp"
 #include "minimum_boundary/fusing.hpp"
 #include "minimum_boundary/hole_covering.hpp"
 #include "minimum_boundary/hull.hpp"
@@ -22,8 +25,12 @@
 #include "minimum_boundary/labelling.hpp"
 #include "minimum_boundary/measures.hpp"
 #include "minimum_boundary/min_cut.hpp"
+#include "minimum_boundary/openings.hpp"
+#include "minimum_boundary/sampling.hpp"
 #include "minimum_boundary/sculpturing.hpp"
+#include "minimum_boundary/solid_angles.hpp"
 #include "minimum_boundary/surgery.hpp"
+#include "minimum_boundary/warnings.hpp"
 #include "minimum_boundary/watershed.hpp"
 
 namespace surfaced {
@@ -32,16 +39,12 @@ namespace {
 
 using Parameters = MinimumBoundaryParameters;
 
-/// Share of the area over openings beyond which closing is a guess.
-constexpr double kDoubtfulSheets = 0.02;
-/// Handles per point beyond which they look like noise, unless they are few.
-constexpr double kDoubtfulHandles = 0.01;
-constexpr std::int64_t kFewHandles = 10;
-/// Score, in mean λ, below which the choice between two topologies was a near thing. Of the wrong random
-/// subsamples in docs/methods/minimum-boundary.md 33 % lie below, of the right ones 5 %.
-constexpr double kDoubtfulMargin = 4;
-
-std::string percent(double share) { return std::to_string(std::llround(100 * share)) + " %"; }
+/// Guides through the points without repeats, then smoothed once, twice and so on, where all else ends hollow.
+constexpr unsigned kSmoothedGuides = 4;
+/// Rounds of flips over the edges; the last ones find next to nothing.
+constexpr unsigned kStraightenRounds = 8;
+/// Diagonals of the quadrilaterals beside a sharp edge differ by less than this; across a thin tube by more.
+constexpr double kLongestStretch = 1.8;
 
 /// The facets of the boundary complex themselves, each with the normal of its lesser side.
 TriangleMesh mesh_of(const DelaunayComplex& complex, const FacetSet& facets, const PointCloud& cloud) {
@@ -62,18 +65,19 @@ class Run {
       : cloud_(cloud), parameters_(parameters), context_(context) {}
 
   Result<MinimumBoundaryResult> operator()() {
+    if (Status body = refuse_flat(cloud_, context_.threads()); !body) return std::move(body).error();
     Result<DelaunayComplex> complex = delaunay_complex(cloud_, context_, 0.5);
     if (!complex) return std::move(complex).error();
     const Criterion criterion(*complex);
     result_.statistics.cells = complex->cells();
 
+    if (Status guided = guide(*complex); !guided) return std::move(guided).error();
     if (Status begun = context_.begin("boundary-complex", 0.65); !begun) return std::move(begun).error();
-    const bool connected = parameters_.components == Parameters::Components::one;
     FacetRatings ratings;
     const auto rate = [&](unsigned threads) { ratings = rate_facets(*complex, threads); };
     Result<BoundaryComplex> boundary = wants_watershed()
-                                           ? boundary_complex(*complex, criterion, connected, context_, rate)
-                                           : boundary_complex(*complex, criterion, connected, context_);
+                                           ? boundary_complex(*complex, criterion, one_body(), context_, rate)
+                                           : boundary_complex(*complex, criterion, one_body(), context_);
     if (!boundary) return std::move(boundary).error();
     result_.statistics.boundary_complex_facets = boundary->size;
     result_.statistics.reinserted_facets = boundary->reinserted;
@@ -85,11 +89,17 @@ class Run {
     Result<Labelling> labels = make_surface(*complex, *boundary, criterion, std::move(ratings));
     if (!labels) return std::move(labels).error();
     Measures measures = measure(*labels, criterion);
-    if (connected && measures.components > 1) {
+    if (result_.statistics.bodies > 0 && measures.components > result_.statistics.bodies) {
       if (Status joined = join(*labels, *boundary, criterion); !joined) return std::move(joined).error();
       measures = measure(*labels, criterion);
     }
     if (Status begun = context_.begin("surface", 1); !begun) return std::move(begun).error();
+    if (wants_straight_diagonals()) {
+      const Straightened straightened = straighten(*labels, kLongestStretch, kStraightenRounds, context_.threads());
+      result_.statistics.straightened_edges = straightened.flipped;
+      result_.statistics.curvature_reduction = straightened.percent();
+      measures = measure(*labels, criterion);
+    }
     parallel_tasks(context_.threads(), 2, [&](std::size_t task) {
       if (task == 0) {
         summarise(*labels, criterion, measures);
@@ -97,6 +107,8 @@ class Run {
         result_.mesh = surface_of(*labels, cloud_);
       }
     });
+    if (parameters_.openings == Parameters::Openings::keep)
+      result_.statistics.opened_triangles = cut_openings(result_.mesh);
     return std::move(result_);
   }
 
@@ -104,6 +116,38 @@ class Run {
   bool wants_watershed() const {
     return parameters_.lids == Parameters::Lids::watershed && parameters_.variant != Parameters::Variant::paper &&
            parameters_.stop_after != Parameters::StopAfter::boundary_complex;
+  }
+
+  bool one_body() const { return result_.statistics.bodies == 1; }
+
+  /// variant=best: the guiding surface, and how many bodies it shows.
+  Status guide(const DelaunayComplex& complex) {
+    MinimumBoundaryStatistics& s = result_.statistics;
+    s.bodies = parameters_.components == Parameters::Components::many ? 0 : 1;
+    if (!wants_watershed() || wants_one_labelling()) return Done{};
+    if (Status begun = context_.begin("guide", 0.55); !begun) return begun;
+    if (Status made = add_guide(complex.positions, 0); !made) return made;
+    s.bodies_seen = count_bodies(complex, guides_.front());
+    if (parameters_.components == Parameters::Components::automatic) s.bodies = s.bodies_seen;
+    return Done{};
+  }
+
+  Status add_guide(const std::vector<Point3>& positions, unsigned smoothing_rounds) {
+    Result<GuidingSurface> guide = guiding_surface(positions, smoothing_rounds, context_, context_.threads());
+    if (!guide) return std::move(guide).error();
+    guides_.push_back(std::move(*guide));
+    return Done{};
+  }
+
+  bool wants_one_labelling() const {
+    return parameters_.variant == Parameters::Variant::fast ||
+           parameters_.stop_after == Parameters::StopAfter::inflated;
+  }
+
+  bool wants_straight_diagonals() const {
+    return parameters_.variant == Parameters::Variant::best &&
+           parameters_.diagonals == Parameters::Diagonals::straight &&
+           parameters_.stop_after == Parameters::StopAfter::none;
   }
 
   Result<Labelling> make_surface(const DelaunayComplex& complex, const BoundaryComplex& boundary,
@@ -116,20 +160,19 @@ class Run {
     }
     if (Status begun = context_.begin("watershed", 0.7); !begun) return std::move(begun).error();
     const RatedFacets rated = with_evidence(complex, std::move(ratings), boundary.facets, context_.threads());
-    const bool fast =
-        parameters_.variant == Parameters::Variant::fast || parameters_.stop_after == Parameters::StopAfter::inflated;
-    if (fast) {
+    if (wants_one_labelling()) {
       constexpr std::array kLevel{kThoroughLevel};
       const Result<std::vector<Clusters>> clusters =
           guarded_watershed(complex, boundary.facets, rated, kLevel, context_);
       if (!clusters) return clusters.error();
       return finish(complex, inside_of(clusters->front()), boundary, criterion);
     }
-    const std::vector<Recipe> recipes = recipes_for(complex.points());
+    std::vector<Recipe> recipes = recipes_for(complex.points());
+    recipes.push_back({Recipe::Kind::guided, 0, 0});
     const std::vector<float> levels = levels_of(recipes);
     const Result<std::vector<Clusters>> clusters = guarded_watershed(complex, boundary.facets, rated, levels, context_);
     if (!clusters) return clusters.error();
-    return best({complex, criterion, boundary, rated, recipes, levels, *clusters});
+    return best({complex, criterion, boundary, rated, recipes, levels, *clusters, guides_});
   }
 
   /// BC with lids; `labels` are the cells already taken in.
@@ -212,33 +255,58 @@ class Run {
 
   /// All candidates, the best of them, what is better in the others, and surgery.
   Result<Labelling> best(const Material& material) {
-    const bool one = parameters_.components == Parameters::Components::one;
     if (Status begun = context_.begin("candidates", 0.85); !begun) return std::move(begun).error();
     Result<std::vector<Candidate>> candidates = make_candidates(material, context_);
     if (!candidates) return std::move(candidates).error();
-    const std::size_t chosen = best_of(*candidates, one);
+    const Result<std::size_t> choice = choose(material, *candidates);
+    if (!choice) return choice.error();
+    const std::size_t chosen = *choice;
     record(*candidates, chosen, material.criterion);
 
     if (Status begun = context_.begin("fuse", 0.88); !begun) return std::move(begun).error();
     Labelling labels = candidates->at(chosen).labels;
     SurfaceSearch search(material.complex);
     double margin = std::numeric_limits<double>::infinity();
+    Handles handles{candidates->at(chosen).measures.handles(), usual_handles(*candidates)};
     for (std::size_t k = 0; k < candidates->size(); ++k) {
       if (k == chosen) continue;
-      const Fused fused = fuse(labels, candidates->at(k).labels, material.criterion, one, search);
+      const Fused fused = fuse(labels, candidates->at(k).labels, material.criterion, one_body(), handles, search);
       result_.statistics.fused_regions += fused.taken;
       margin = std::min(margin, fused.margin);
     }
-    if (std::isfinite(margin)) result_.statistics.topology_margin = margin;
-
     if (Status begun = context_.begin("surgery", 0.92); !begun) return std::move(begun).error();
-    if (measure(labels, material.criterion).handles() > 0) {
-      const Result<Surgery> surgery = operate(labels, material.criterion, search, context_, context_.threads());
+    if (handles.now > 0) {
+      const Result<Surgery> surgery =
+          operate(labels, material.criterion, handles, search, context_, context_.threads());
       if (!surgery) return surgery.error();
       result_.statistics.removed_handles = surgery->removed_handles;
+      margin = std::min(margin, surgery->margin);
     }
+    if (std::isfinite(margin)) result_.statistics.topology_margin = margin;
     if (Status done = descend_to_end(labels, material.criterion); !done) return std::move(done).error();
     return labels;
+  }
+
+  /// The best candidate; where that is hollow, after a few more have been added with guides through smoothed points,
+  /// each once.
+  Result<std::size_t> choose(const Material& material, std::vector<Candidate>& candidates) {
+    const std::size_t first = best_of(candidates, result_.statistics.bodies);
+    candidates[first].angles = solid_angles(candidates[first].labels, context_.threads());
+    if (!hollow(candidates[first])) return first;
+    const std::vector<Point3> once = without_repeats(material.complex, context_.threads());
+    std::vector<Recipe> recipes;
+    for (unsigned rounds = 0; rounds < kSmoothedGuides; ++rounds) {
+      recipes.push_back({Recipe::Kind::wound, 0, guides_.size()});
+      if (Status made = add_guide(once, rounds); !made) return std::move(made).error();
+    }
+    Result<std::vector<Candidate>> more =
+        make_candidates({material.complex, material.criterion, material.boundary, material.rated, recipes,
+                         material.levels, material.clusters, guides_},
+                        context_);
+    if (!more) return std::move(more).error();
+    for (Candidate& c : *more) candidates.push_back(std::move(c));
+    measure_angles(candidates, context_.threads());
+    return best_of(candidates, result_.statistics.bodies);
   }
 
   void record(const std::vector<Candidate>& candidates, std::size_t chosen, const Criterion& criterion) {
@@ -255,15 +323,13 @@ class Run {
     s.flipped_edges = winner.descent.flipped;
   }
 
-  /// components=one: bridges between what is still apart.
+  /// Bridges between what is still apart and shall not be.
   Status join(Labelling& labels, const BoundaryComplex& boundary, const Criterion& criterion) {
     if (Status begun = context_.begin("bridge", 0.97); !begun) return begun;
-    const Result<Bridged> bridged = bridge(labels, boundary.facets, criterion, context_, context_.threads());
+    const Result<Bridged> bridged =
+        bridge(labels, boundary.facets, criterion, result_.statistics.bodies, context_, context_.threads());
     if (!bridged) return bridged.error();
     result_.statistics.bridges = bridged->components_before - bridged->components;
-    if (bridged->components < 2) return Done{};
-    result_.warnings.push_back("components_remaining: " + std::to_string(bridged->components) +
-                               " components are left that no chain of cells could join");
     return Done{};
   }
 
@@ -273,27 +339,19 @@ class Run {
     s.components = measures.components;
     s.genus = measures.handles();
     s.sum_lambda = criterion.length(measures.energy);
-    const Sheets sheets = sheets_of(labels, criterion);
+    const Sheets sheets = sheets_of(labels);
     s.sheet_area_share = sheets.area_share;
     s.joined_parts = sheets.parts;
-    if (s.sheet_area_share > kDoubtfulSheets) {
-      result_.warnings.push_back("closure_uncertain: " + percent(s.sheet_area_share) +
-                                 " of the area spans openings more than ten times as wide as the points lie apart");
-    }
-    if (parameters_.components == Parameters::Components::one && s.joined_parts > s.components) {
-      result_.warnings.push_back("components_joined: " + std::to_string(s.joined_parts) +
-                                 " parts lie more than ten times as far apart as their points and were joined; "
-                                 "components=many keeps separate objects separate");
-    }
-    const double handles = static_cast<double>(s.genus) / static_cast<double>(cloud_.size());
-    if (handles > kDoubtfulHandles && s.genus > kFewHandles) {
-      result_.warnings.push_back("topology_uncertain: " + std::to_string(s.genus) + " handles for " +
-                                 std::to_string(cloud_.size()) + " points; the cloud may be noisy");
-    } else if (s.topology_margin && *s.topology_margin < kDoubtfulMargin) {
-      result_.warnings.push_back("topology_uncertain: another genus would cost only " +
-                                 std::to_string(*s.topology_margin).substr(0, 4) + " edge lengths more or less");
-    }
+    s.outliers = sheets.outliers;
+    const SolidAngles angles = solid_angles(labels, context_.threads());
+    s.thin_vertices = angles.thin;
+    s.buried_vertices = angles.buried;
+    result_.warnings = warnings_of(s, parameters_, cloud_.size());
     if (parameters_.variant != Parameters::Variant::fast) {
+      const Sampling sampling = sampling_of(labels, context_.threads());
+      s.sampling = MinimumBoundarySampling{sampling.median, sampling.high, sampling.share_above_one};
+    }
+    if (parameters_.variant != Parameters::Variant::fast && !s.curvature_reduction) {
       s.curvature_reduction = curvature_reduction(labels, context_.threads());
     }
   }
@@ -301,6 +359,7 @@ class Run {
   const PointCloud& cloud_;
   const Parameters& parameters_;
   Context& context_;
+  std::vector<GuidingSurface> guides_;
   MinimumBoundaryResult result_;
 };
 

@@ -15,20 +15,29 @@
 namespace surfaced {
 
 struct MinimumBoundaryParameters {
-  /// One component, or as many as the boundary complex without the connectedness condition finds (§8).
-  enum class Components : std::uint8_t { one, many };
+  /// One component, or as many as the boundary complex without the connectedness condition finds (§8), or, automatic,
+  /// one for each body that the points show by themselves (variant=best with lids=watershed; else one).
+  enum class Components : std::uint8_t { automatic, one, many };
   /// How holes in the hull of the boundary complex are covered (§5.4 and what is stronger).
   enum class Lids : std::uint8_t { watershed, ball, paper, mincut, none };
   /// best: all candidates, fused; fast: one candidate; paper: the paper's own way.
   enum class Variant : std::uint8_t { best, fast, paper };
+  /// variant=best: straight flips edges in the end where that lowers the absolute mean curvature (§8), which takes
+  /// notches out of sharp edges; shortest keeps the least Σλ that was found.
+  enum class Diagonals : std::uint8_t { straight, shortest };
+  /// keep: what spans openings ten times as wide as the points lie apart is cut out in the end; the mesh then has a
+  /// boundary.
+  enum class Openings : std::uint8_t { close, keep };
   enum class StopAfter : std::uint8_t { none, boundary_complex, inflated };
 
-  Components components = Components::one;
+  Components components = Components::automatic;
   Lids lids = Lids::watershed;
   /// Ball ratio below which lids=ball covers, and behind whose lids lids=mincut seeks its seeds; none chooses.
   std::optional<double> delta = std::nullopt;
   Variant variant = Variant::best;
   StopAfter stop_after = StopAfter::none;
+  Diagonals diagonals = Diagonals::straight;
+  Openings openings = Openings::close;
 };
 
 /// A labelling that was brought to a manifold, and what came of it.
@@ -38,6 +47,13 @@ struct MinimumBoundaryCandidate {
   std::int64_t genus = 0;
   std::size_t interior_vertices = 0;
   double sum_lambda = 0;
+};
+
+/// Estimates of ε over the vertices.
+struct MinimumBoundarySampling {
+  double median = 0;
+  double high = 0;
+  double share_above_one = 0;
 };
 
 struct MinimumBoundaryStatistics {
@@ -71,13 +87,30 @@ struct MinimumBoundaryStatistics {
   std::size_t interior_vertices = 0;
   std::size_t components = 0;
   std::int64_t genus = 0;
-  /// components=one: components that were joined by bridges.
+  /// Closed parts that lie apart, as the guiding surface shows them; 0 where there was none.
+  std::size_t bodies_seen = 0;
+  /// Components asked for: 1, or with components=automatic the bodies seen; 0 for any number.
+  std::size_t bodies = 0;
+  /// Components that were joined by bridges.
   std::size_t bridges = 0;
   /// Share of the area in triangles that span openings far wider than the points lie apart.
   double sheet_area_share = 0;
+  /// Vertices with less than a tenth of the space around them inside, and with more than four fifths.
+  std::size_t thin_vertices = 0;
+  std::size_t buried_vertices = 0;
+  /// Points that lie by themselves, where the surface has a spike.
+  std::size_t outliers = 0;
+  /// Spacing over distance to the medial axis: median, exceeded by one vertex in twenty, share above 1; not for
+  /// variant=fast.
+  std::optional<MinimumBoundarySampling> sampling;
+  /// openings=keep: triangles cut out.
+  std::size_t opened_triangles = 0;
   /// Parts of the surface, of at least a hundredth of the points each, that only such triangles connect.
   std::size_t joined_parts = 0;
-  /// The paper's "curv" in percent; not for variant=fast, of whose time it would be a tenth.
+  /// diagonals=straight: edges flipped in the end.
+  std::size_t straightened_edges = 0;
+  /// The paper's "curv" in percent: what edge flips removed (variant=best with diagonals=straight), or would remove;
+  /// not for variant=fast, of whose time it would be a tenth.
   std::optional<double> curvature_reduction;
   /// Sum of the longest edges of all triangles, in the unit of the input.
   double sum_lambda = 0;

@@ -185,10 +185,13 @@ class Sculptor {
 
 }  // namespace
 
+std::vector<std::uint8_t> inside_hull(const Labelling& labels, const FacetSet& walls) {
+  return Spaces(Walls{labels, walls}).core();
+}
+
 Result<Sculptured> sculpture(Labelling& labels, const FacetSet& walls, const Criterion& criterion,
                              const Context& context) {
-  const std::vector<std::uint8_t> core = Spaces(Walls{labels, walls}).core();
-  return Sculptor(labels, core, criterion).run(context);
+  return Sculptor(labels, inside_hull(labels, walls), criterion).run(context);
 }
 
 }  // namespace surfaced::boundary

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include "base/parallel.hpp"
+#include "minimum_boundary/candidates.hpp"
 #include "minimum_boundary/descent.hpp"
 #include "minimum_boundary/repair.hpp"
 
@@ -14,7 +16,8 @@ namespace {
 
 constexpr int kPasses = 3;
 constexpr std::size_t kMostTurns = 30;
-constexpr std::int64_t kMostEnergy = 3;
+/// What costs so much more than that is no choice.
+constexpr double kOutOfQuestion = 10;
 
 bool edge_on_surface(const Labelling& labels, CellIndex c, unsigned a, unsigned b) {
   for (EdgeWalk walk(labels.complex(), c, a, b);;) {
@@ -56,10 +59,11 @@ std::vector<SideIndex> loops_of(const Labelling& labels, unsigned threads) {
 
 class Surgeon {
  public:
-  Surgeon(Labelling& labels, const Criterion& criterion, SurfaceSearch& search, unsigned threads)
+  Surgeon(Labelling& labels, const Criterion& criterion, Handles& handles, SurfaceSearch& search, unsigned threads)
       : labels_(labels),
         complex_(labels.complex()),
         criterion_(criterion),
+        handles_(handles),
         search_(search),
         repairer_(labels, criterion, threads) {}
 
@@ -77,6 +81,8 @@ class Surgeon {
     }
     return 0;
   }
+
+  double margin() const { return margin_; }
 
  private:
   struct Change {
@@ -104,10 +110,19 @@ class Surgeon {
     Change change;
     for (const CellIndex c : turned) apply(c, change);
     const std::int64_t rise = -interior_change - change.facets / 2;
-    const bool accepted = interior_change <= 0 && rise > 0 && change.energy < kMostEnergy * criterion_.energy(side) &&
-                          !adds_component(turned);
-    if (!accepted) repairer_.roll_back();
-    return accepted ? rise : 0;
+    const double price = Judge::handle_price(handles_.usual) * (handles_.now > handles_.usual ? 1 : -1);
+    const double cost = static_cast<double>(change.energy) / static_cast<double>(criterion_.energy(side));
+    if (interior_change > 0 || rise <= 0 || cost > price + kOutOfQuestion || adds_component(turned)) {
+      repairer_.roll_back();
+      return 0;
+    }
+    margin_ = std::min(margin_, std::abs(cost - price));
+    if (cost < price) {
+      handles_.now -= rise / 2;
+      return rise;
+    }
+    repairer_.roll_back();
+    return 0;
   }
 
   /// Whether the surface had fewer components near these cells before they were turned.
@@ -140,6 +155,8 @@ class Surgeon {
   Labelling& labels_;
   const DelaunayComplex& complex_;
   const Criterion& criterion_;
+  Handles& handles_;
+  double margin_ = std::numeric_limits<double>::infinity();
   SurfaceSearch& search_;
   Repairer repairer_;
   std::vector<VertexIndex> vertices_;
@@ -147,10 +164,10 @@ class Surgeon {
 
 }  // namespace
 
-Result<Surgery> operate(Labelling& labels, const Criterion& criterion, SurfaceSearch& search, const Context& context,
-                        unsigned threads) {
+Result<Surgery> operate(Labelling& labels, const Criterion& criterion, Handles& handles, SurfaceSearch& search,
+                        const Context& context, unsigned threads) {
   Surgery surgery;
-  Surgeon surgeon(labels, criterion, search, threads);
+  Surgeon surgeon(labels, criterion, handles, search, threads);
   for (int pass = 0; pass < kPasses; ++pass) {
     std::int64_t gained = 0;
     for (const SideIndex side : loops_of(labels, threads)) {
@@ -161,6 +178,7 @@ Result<Surgery> operate(Labelling& labels, const Criterion& criterion, SurfaceSe
     surgery.removed_handles += static_cast<std::size_t>(gained / 2);
     if (gained == 0) break;
   }
+  surgery.margin = surgeon.margin();
   return surgery;
 }
 

@@ -9,6 +9,7 @@ using Parameters = MinimumBoundaryParameters;
 
 Parameters parameters_of(const Json& json) {
   Parameters parameters;
+  if (json.at("components") == "one") parameters.components = Parameters::Components::one;
   if (json.at("components") == "many") parameters.components = Parameters::Components::many;
   if (json.at("lids") == "none") parameters.lids = Parameters::Lids::none;
   if (json.at("lids") == "ball") parameters.lids = Parameters::Lids::ball;
@@ -17,6 +18,8 @@ Parameters parameters_of(const Json& json) {
   if (json.at("delta").is_number()) parameters.delta = json.at("delta").get<double>();
   if (json.at("variant") == "paper") parameters.variant = Parameters::Variant::paper;
   if (json.at("variant") == "fast") parameters.variant = Parameters::Variant::fast;
+  if (json.at("diagonals") == "shortest") parameters.diagonals = Parameters::Diagonals::shortest;
+  if (json.at("openings") == "keep") parameters.openings = Parameters::Openings::keep;
   if (json.at("stop_after") == "boundary-complex") parameters.stop_after = Parameters::StopAfter::boundary_complex;
   if (json.at("stop_after") == "inflated") parameters.stop_after = Parameters::StopAfter::inflated;
   return parameters;
@@ -33,6 +36,12 @@ Json candidates_json(const MinimumBoundaryStatistics& s) {
                         {"sum_of_longest_edges", c.sum_lambda}});
   }
   return list;
+}
+
+Json sampling_json(const MinimumBoundaryStatistics& s) {
+  if (!s.sampling) return nullptr;
+  return Json{
+      {"median", s.sampling->median}, {"high", s.sampling->high}, {"share_above_one", s.sampling->share_above_one}};
 }
 
 Json statistics_json(const MinimumBoundaryStatistics& s) {
@@ -55,9 +64,17 @@ Json statistics_json(const MinimumBoundaryStatistics& s) {
               {"interior_vertices", s.interior_vertices},
               {"components", s.components},
               {"genus", s.genus},
+              {"bodies_seen", s.bodies_seen},
+              {"bodies", s.bodies},
               {"bridges", s.bridges},
               {"sheet_area_share", s.sheet_area_share},
+              {"opened_triangles", s.opened_triangles},
               {"joined_parts", s.joined_parts},
+              {"thin_vertices", s.thin_vertices},
+              {"buried_vertices", s.buried_vertices},
+              {"outliers", s.outliers},
+              {"sampling", sampling_json(s)},
+              {"straightened_edges", s.straightened_edges},
               {"curvature_reduction", s.curvature_reduction ? Json(*s.curvature_reduction) : Json(nullptr)},
               {"sum_of_longest_edges", s.sum_lambda}};
 }
@@ -73,10 +90,12 @@ Result<Reconstruction> run_minimum_boundary(const PointCloud& cloud, const Json&
 Json parameter_properties() {
   return Json{
       {"components",
-       {{"enum", {"one", "many"}},
-        {"default", "one"},
+       {{"enum", {"auto", "one", "many"}},
+        {"default", "auto"},
         {"title", "Connectedness"},
-        {"description", "one asks for a single surface; many drops the paper's connectedness condition."}}},
+        {"description",
+         "one asks for a single surface; many drops the paper's connectedness condition; auto asks for as many as the "
+         "points show closed bodies that only a bridge would join (variant=best with lids=watershed; else one)."}}},
       {"lids",
        {{"enum", {"watershed", "ball", "paper", "mincut", "none"}},
         {"default", "watershed"},
@@ -102,6 +121,20 @@ Json parameter_properties() {
         {"description",
          "best compares several labellings and keeps the best parts of each; fast makes one; paper takes the "
          "steps of the paper: conforming, hole covering, inflating, sculpturing."}}},
+      {"diagonals",
+       {{"enum", {"straight", "shortest"}},
+        {"default", "straight"},
+        {"title", "Edges flipped in the end"},
+        {"description",
+         "With variant=best: straight flips edges where that lowers the absolute mean curvature, so that sharp edges "
+         "keep no notches; shortest keeps the least sum of longest edges that was found."}}},
+      {"openings",
+       {{"enum", {"close", "keep"}},
+        {"default", "close"},
+        {"title", "What becomes of openings"},
+        {"description",
+         "close spans them; keep cuts out the triangles more than ten times as wide as the points at their corners lie "
+         "apart: the mesh is then manifold with a boundary."}}},
       {"stop_after",
        {{"enum", {"none", "boundary-complex", "inflated"}},
         {"default", "none"},

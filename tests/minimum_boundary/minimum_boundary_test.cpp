@@ -134,7 +134,8 @@ TEST(MinimumBoundary,
     EXPECT_EQ(many.statistics.joined_parts, 2U);
     for (const auto variant : {Parameters::Variant::best, Parameters::Variant::fast, Parameters::Variant::paper}) {
       for (const auto lids : {Parameters::Lids::watershed, Parameters::Lids::mincut}) {
-        const auto one = reconstruct(points, {.lids = lids, .variant = variant});
+        const auto one =
+            reconstruct(points, {.components = Parameters::Components::one, .lids = lids, .variant = variant});
         const Topology topology = topology_of(one.mesh);
         EXPECT_TRUE(topology.closed && topology.vertex_manifold && topology.oriented);
         EXPECT_THAT(one.warnings, ::testing::Contains(::testing::StartsWith(
@@ -173,7 +174,7 @@ TEST(MinimumBoundary, nested_shells_become_one_closed_surface_when_one_is_asked_
   const auto inner = testing::sphere_points(500, {0, 0, 0}, 0.5);
   points.insert(points.end(), inner.begin(), inner.end());
   for (const auto variant : {Parameters::Variant::best, Parameters::Variant::fast, Parameters::Variant::paper}) {
-    const auto result = reconstruct(points, {.variant = variant});
+    const auto result = reconstruct(points, {.components = Parameters::Components::one, .variant = variant});
     const Topology topology = topology_of(result.mesh);
     EXPECT_TRUE(topology.closed && topology.vertex_manifold && topology.oriented);
     const bool warned = std::ranges::any_of(result.warnings,

@@ -122,7 +122,7 @@ Tally tally_of(const std::string& kind, MinimumBoundaryParameters::Variant varia
       }
       points.push_back(p);
     }
-    compare(points, {.variant = variant}, tally);
+    compare(points, {.variant = variant, .diagonals = MinimumBoundaryParameters::Diagonals::shortest}, tally);
   }
   print(kind, tally);
   return tally;
