@@ -346,11 +346,11 @@ class Run {
     const SolidAngles angles = solid_angles(labels, context_.threads());
     s.thin_vertices = angles.thin;
     s.buried_vertices = angles.buried;
-    result_.warnings = warnings_of(s, parameters_, cloud_.size());
     if (parameters_.variant != Parameters::Variant::fast) {
       const Sampling sampling = sampling_of(labels, context_.threads());
       s.sampling = MinimumBoundarySampling{sampling.median, sampling.high, sampling.share_above_one};
     }
+    result_.warnings = warnings_of(s, parameters_, cloud_.size());
     if (parameters_.variant != Parameters::Variant::fast && !s.curvature_reduction) {
       s.curvature_reduction = curvature_reduction(labels, context_.threads());
     }

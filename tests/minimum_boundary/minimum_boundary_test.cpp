@@ -311,11 +311,13 @@ TEST(MinimumBoundary, min_cut_closes_open_scans) {
   }
 }
 
-TEST(MinimumBoundary, says_topology_uncertain_exactly_where_another_genus_was_nearly_as_good) {
+TEST(MinimumBoundary,
+     says_topology_uncertain_exactly_where_another_genus_was_nearly_as_good_and_the_points_are_sparse) {
   std::size_t fired = 0;
   for (std::uint32_t seed = 0; seed < 30; ++seed) {
     const auto result = reconstruct(random_torus(80, seed, 0.5));
-    const bool close = result.statistics.topology_margin.value_or(1e9) < 4;
+    const bool close =
+        result.statistics.topology_margin.value_or(1e9) < 5 && result.statistics.sampling->share_above_one > 0.04;
     const bool warned =
         std::ranges::any_of(result.warnings, [](const std::string& w) { return w.starts_with("topology_uncertain"); });
     EXPECT_EQ(warned, close);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 
 #include "minimum_boundary/minimum_boundary.hpp"
@@ -195,6 +196,17 @@ TEST(Doubt, a_far_point_makes_a_spike_with_a_warning_that_names_the_remedy) {
   EXPECT_EQ(result.statistics.outliers, 1U);
   EXPECT_THAT(result.warnings,
               Contains(::testing::AllOf(StartsWith("outliers_suspected"), ::testing::HasSubstr("outliers="))));
+}
+
+TEST(Doubt, bodies_given_by_their_corners_alone_are_said_to_be_undersampled) {
+  constexpr std::array<std::array<double, 2>, 8> kProfile{
+      {{0, 0}, {30, 0}, {30, 30}, {20, 30}, {20, 10}, {10, 10}, {10, 30}, {0, 30}}};
+  std::vector<Point3> corners;
+  for (const auto& [x, y] : kProfile) {
+    for (const double z : {0.0, 10.0}) corners.push_back({x, y, z});
+  }
+  EXPECT_THAT(reconstruct(corners).warnings, Contains(StartsWith("sampling_uncertain")));
+  EXPECT_THAT(reconstruct(testing::torus_points(30, 12)).warnings, Not(Contains(StartsWith("sampling_uncertain"))));
 }
 
 TEST(Doubt, points_inside_are_counted_in_a_warning) {
