@@ -10,6 +10,7 @@ a row is missing. --check writes nothing and says whether NOTICE is what it woul
 """
 import argparse
 import json
+import os
 import re
 import subprocess
 import sys
@@ -54,12 +55,14 @@ def packages(text, sections):
 def linked_packages(binary):
     """Debian's packages of the shared libraries that the binary names itself."""
     dynamic = subprocess.run(["readelf", "-d", binary], check=True, capture_output=True, text=True).stdout
-    needed = re.findall(r"\(NEEDED\).*\[(.*)\]", dynamic)
-    places = dict(re.findall(r"^\s*(\S+) .*=> (/\S+)", subprocess.run(["ldconfig", "-p"], check=True, capture_output=True, text=True).stdout, flags=re.M))
+    loaded = subprocess.run(["ldd", binary], check=True, capture_output=True, text=True).stdout
+    places = dict(re.findall(r"^\s*(\S+) => (/\S+)", loaded, flags=re.M))
     names = []
-    for library in needed:
-        place = places.get(library)
-        found = place and subprocess.run(["dpkg-query", "-S", f"*/{library}"], capture_output=True, text=True).stdout
+    for library in re.findall(r"\(NEEDED\).*\[(.*)\]", dynamic):
+        # dpkg knows a file by the path that its package gave it: with or without /usr, of a link or of what it leads to.
+        paths = {library} | {each for place in [places.get(library)] if place for each in (place, os.path.realpath(place))}
+        paths |= {each.removeprefix("/usr") for each in paths} | {"/usr" + each for each in paths if each.startswith("/lib")}
+        found = subprocess.run(["dpkg-query", "-S", *sorted(each for each in paths if each.startswith("/"))], capture_output=True, text=True).stdout
         names.append(found.split(":")[0] if found else library)
     return [name for name in names if not name.startswith("ld-linux")]
 
