@@ -3,8 +3,42 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 
 namespace surfaced::front {
+
+namespace {
+
+/// So many are searched one after the other.
+constexpr std::size_t kFewWedges = 24;
+
+std::vector<std::uint32_t> order_by(std::span<const Wedge> wedges, std::uint32_t Wedge::*end) {
+  std::vector<std::uint32_t> order(wedges.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return wedges[i].*end; });
+  return order;
+}
+
+const Wedge* wedge_at(std::span<const Wedge> wedges, const std::vector<std::uint32_t>& order, std::uint32_t Wedge::*end,
+                      std::uint32_t vertex) {
+  if (order.empty()) {
+    const auto at = std::ranges::find(wedges, vertex, end);
+    return at == wedges.end() ? nullptr : &*at;
+  }
+  const auto at = std::ranges::lower_bound(order, vertex, {}, [&](std::uint32_t i) { return wedges[i].*end; });
+  return at == order.end() || wedges[*at].*end != vertex ? nullptr : &wedges[*at];
+}
+
+}  // namespace
+
+WedgeEnds::WedgeEnds(std::span<const Wedge> wedges) : wedges_(wedges) {
+  if (wedges.size() <= kFewWedges) return;
+  by_first_ = order_by(wedges, &Wedge::first);
+  by_second_ = order_by(wedges, &Wedge::second);
+}
+
+const Wedge* WedgeEnds::from(std::uint32_t first) const { return wedge_at(wedges_, by_first_, &Wedge::first, first); }
+const Wedge* WedgeEnds::to(std::uint32_t second) const { return wedge_at(wedges_, by_second_, &Wedge::second, second); }
 
 Fans::Fans(const LocalStars& stars, FaceMasks faces)
     : stars_(stars), masks_(std::move(faces)), own_of_(stars.points(), kNoVertex) {
@@ -70,29 +104,31 @@ Around Fans::around(std::uint32_t v) const {
   if (own_of_[v] == kNoVertex) return masks_[v] == 0 ? Around::nothing : Around::closed;
   const std::vector<Wedge>& list = own_[own_of_[v]];
   if (list.empty()) return Around::nothing;
-  const bool closed = std::ranges::all_of(list, [&](const Wedge& w) {
-    return std::ranges::any_of(list, [&](const Wedge& o) { return o.second == w.first; });
-  });
+  const WedgeEnds ends(list);
+  const bool closed = std::ranges::all_of(list, [&](const Wedge& w) { return ends.to(w.first) != nullptr; });
   return closed ? Around::closed : Around::open;
 }
 
 std::vector<std::vector<Wedge>> Fans::fans_at(std::uint32_t v) const {
   const auto list = wedges(v);
-  std::vector<Wedge> left(list.begin(), list.end());
+  const WedgeEnds ends(list);
+  std::vector<bool> taken(list.size(), false);
   std::vector<std::vector<Wedge>> all;
-  while (!left.empty()) {
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (taken[i]) continue;
     std::vector<Wedge>& fan = all.emplace_back();
-    const auto take = [&](std::size_t i) {
-      fan.push_back(left[i]);
-      left[i] = left.back();
-      left.pop_back();
+    const auto take = [&](const Wedge* w) {
+      const auto number = w == nullptr ? list.size() : static_cast<std::size_t>(w - list.data());
+      if (number == list.size() || taken[number]) return;
+      taken[number] = true;
+      fan.push_back(*w);
     };
-    take(0);
+    take(&list[i]);
+    // No directed edge has two faces: every wedge has one after it and one before it at most.
     for (std::size_t k = 0; k < fan.size(); ++k) {
-      for (std::size_t i = 0; i < left.size();) {
-        const bool touches = left[i].first == fan[k].second || left[i].second == fan[k].first;
-        touches ? take(i) : static_cast<void>(++i);
-      }
+      const Wedge w = fan[k];
+      take(ends.from(w.second));
+      take(ends.to(w.first));
     }
   }
   return all;

@@ -31,6 +31,22 @@ struct Wedge {
   friend bool operator==(const Wedge&, const Wedge&) = default;
 };
 
+/// The wedges of a vertex, to be found by their ends: at a vertex of thousands of faces, in the time of a search.
+class WedgeEnds {
+ public:
+  explicit WedgeEnds(std::span<const Wedge> wedges);
+
+  /// The wedge that begins, or ends, at this vertex; none if there is none.
+  const Wedge* from(std::uint32_t first) const;
+  const Wedge* to(std::uint32_t second) const;
+
+ private:
+  std::span<const Wedge> wedges_;
+  /// Of many: their numbers by the first and by the second vertex, then by number. Of few: empty.
+  std::vector<std::uint32_t> by_first_;
+  std::vector<std::uint32_t> by_second_;
+};
+
 /// What the faces at a vertex look like.
 enum class Around : std::uint8_t { nothing, open, closed };
 

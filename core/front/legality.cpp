@@ -39,17 +39,12 @@ class Compass {
 
 /// Whether the new wedge would make an umbrella besides other fans, or one of fewer than three faces.
 bool closes_wrongly(std::span<const Wedge> wedges, const Wedge& fresh) {
+  const WedgeEnds ends(wedges);
   std::uint32_t end = fresh.second;
   std::size_t faces = 1;
-  for (bool more = true; more && end != fresh.first;) {
-    more = false;
-    for (const Wedge& w : wedges) {
-      if (w.first != end) continue;
-      end = w.second;
-      ++faces;
-      more = true;
-      break;
-    }
+  for (const Wedge* next = ends.from(end); next != nullptr && end != fresh.first; next = ends.from(end)) {
+    end = next->second;
+    ++faces;
   }
   return end == fresh.first && (faces < 3 || faces != wedges.size() + 1);
 }
@@ -98,19 +93,21 @@ bool legal(const Fans& fans, const Places& places, const Face& face, double leas
 
 void open_edges(const Fans& fans, std::uint32_t v, std::vector<Edge>& edges) {
   const auto wedges = fans.wedges(v);
+  const WedgeEnds ends(wedges);
   for (const Wedge& w : wedges) {
-    if (std::ranges::find(wedges, w.first, &Wedge::second) == wedges.end()) edges.push_back({w.first, v});
-    if (std::ranges::find(wedges, w.second, &Wedge::first) == wedges.end()) edges.push_back({v, w.second});
+    if (ends.to(w.first) == nullptr) edges.push_back({w.first, v});
+    if (ends.from(w.second) == nullptr) edges.push_back({v, w.second});
   }
 }
 
 Edge next_open(const Fans& fans, const Places& places, Edge e) {
   const auto wedges = fans.wedges(e.to);
+  const WedgeEnds ends(wedges);
   const Compass compass(places, e.to, e.from);
   double best = -1;
   Edge next = e;
   for (const Wedge& w : wedges) {
-    if (std::ranges::find(wedges, w.second, &Wedge::first) != wedges.end()) continue;
+    if (ends.from(w.second) != nullptr) continue;
     const double turn = compass(w.second);
     if (turn <= best) continue;
     best = turn;

@@ -2,19 +2,16 @@
 #include "intrinsic_delaunay/curvature.hpp"
 
 #define CGAL_EIGEN3_ENABLED
-#include <CGAL/Monge_via_jet_fitting.h>
-#include <CGAL/Simple_cartesian.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "base/jet_solver.hpp"
 #include "base/parallel.hpp"
 
 namespace surfaced::idt {
 namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
-using Fitting = CGAL::Monge_via_jet_fitting<Kernel>;
 
 /// A quadric has six coefficients; twice as many points average noise out.
 constexpr std::size_t kFewestPoints = 6;
@@ -50,10 +47,10 @@ double curvature_at(std::span<const Point3> positions, std::span<const std::uint
     const Point3 d = positions[w] - centre;
     points.emplace_back(d[0] / mean, d[1] / mean, d[2] / mean);
   }
-  constexpr std::size_t kDegree = 2;
-  Fitting fitting;
-  const Fitting::Monge_form form = fitting(points.begin(), points.end(), kDegree, kDegree);
-  const double largest = std::max(std::abs(form.principal_curvatures(0)), std::abs(form.principal_curvatures(1)));
+  constexpr std::size_t kWithCurvatures = 2;
+  const auto form = jet_of<Kernel>(points, kWithCurvatures);
+  if (!form) return -1;
+  const double largest = std::max(std::abs(form->principal_curvatures(0)), std::abs(form->principal_curvatures(1)));
   return std::isfinite(largest) ? largest / mean : -1;
 }
 

@@ -66,7 +66,10 @@ Point3 Surroundings::gaussian_mean(const Point3& place) const {
 }
 
 double Surroundings::distance_to_nearest(const Point3& place) const {
-  return norm(positions_[tree_.nearest(place, 1).front()] - place);
+  const auto nearest = tree_.nearest(place, 1);
+  // So far from all that the square of the distance is none that a double holds.
+  if (nearest.empty()) return std::numeric_limits<double>::infinity();
+  return norm(positions_[nearest.front()] - place);
 }
 
 void Surroundings::describe_patches(Context& context) {

@@ -95,8 +95,12 @@ class Added {
  private:
   using Cell = std::array<std::int64_t, 3>;
   Cell cell_of(const Point3& p) const {
+    // Circumcentres of thin triangles may be as far away as a double reaches.
+    constexpr double kFarthest = 0x1p60;
     Cell cell{};
-    for (std::size_t k = 0; k < 3; ++k) cell[k] = static_cast<std::int64_t>(std::floor((p[k] - low_[k]) / cell_));
+    for (std::size_t k = 0; k < 3; ++k) {
+      cell[k] = static_cast<std::int64_t>(std::clamp(std::floor((p[k] - low_[k]) / cell_), -kFarthest, kFarthest));
+    }
     return cell;
   }
   /// Cells finer than this share of the diagonal would not fit their numbers.

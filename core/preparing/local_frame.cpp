@@ -7,15 +7,15 @@
 namespace surfaced {
 
 LocalFrame::LocalFrame(const std::vector<Point3>& positions) : origin_(bounds_of(positions).low), exponent_(0) {
-  constexpr int kExtentExponent = 10;
   int exponent = 0;
   std::frexp(std::ranges::max(bounds_of(positions).high - origin_), &exponent);
   exponent_ = kExtentExponent - exponent;
 }
 
 Point3 LocalFrame::to_local(const Point3& p) const {
-  const Point3 off = p - origin_;
-  return {std::ldexp(off[0], exponent_), std::ldexp(off[1], exponent_), std::ldexp(off[2], exponent_)};
+  Point3 local = p - origin_;
+  for (double& x : local) x = std::ldexp(std::nearbyint(std::ldexp(x, exponent_ + kStepExponent)), -kStepExponent);
+  return local;
 }
 
 double LocalFrame::to_local(double length) const { return std::ldexp(length, exponent_); }

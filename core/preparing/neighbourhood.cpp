@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nanoflann.hpp>
 
 #include "base/parallel.hpp"
@@ -82,7 +83,7 @@ Nearest nearest_points(const std::vector<Point3>& positions, const std::vector<P
   parallel_ranges(threads, places.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       std::uint32_t index = 0;
-      double squared = 0;
+      double squared = std::numeric_limits<double>::infinity();
       tree.knnSearch(places[i].data(), 1, &index, &squared);
       nearest.index[i] = VertexIndex(index);
       nearest.distance[i] = std::sqrt(squared);

@@ -1,56 +1,55 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Estimation by CGAL's pca_estimate_normals and jet_estimate_normals. Orientation after H. Hoppe, T. DeRose, T.
+// Estimation by planes and jets as in CGAL's pca_estimate_normals and jet_estimate_normals, which take any
+// neighbourhood for one that fits. Orientation after H. Hoppe, T. DeRose, T.
 // Duchamp, J. McDonald, W. Stuetzle, "Surface reconstruction from unorganized points", SIGGRAPH 1992: along a minimum
 // spanning forest of the neighbours, cheap where normals agree. By hand, because CGAL's mst_orient_normals orients one
 // connected part only and cannot be stopped (docs/DECISIONS.md).
 #define CGAL_EIGEN3_ENABLED
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/jet_estimate_normals.h>
-#include <CGAL/pca_estimate_normals.h>
+#include <CGAL/linear_least_squares_fitting_3.h>
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
+#include "base/jet_solver.hpp"
 #include "base/sided_sets.hpp"
 #include "base/vectors.hpp"
+#include "preparing/library_neighbours.hpp"
 #include "preparing/neighbourhood.hpp"
 #include "preparing/stage.hpp"
 
 namespace surfaced {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using PointVector = std::pair<Kernel::Point_3, Kernel::Vector_3>;
+using preparing::Kernel;
+using preparing::LibraryPoints;
 
 constexpr double kEstimatedUntil = 0.7;
 
+std::optional<Point3> direction_of(const Kernel::Vector_3& v) { return surfaced::direction_of({v.x(), v.y(), v.z()}); }
+
+std::optional<Point3> normal_of_plane(const LibraryPoints& near) {
+  Kernel::Plane_3 plane;
+  CGAL::linear_least_squares_fitting_3(near.begin(), near.end(), plane, CGAL::Dimension_tag<0>());
+  return direction_of(plane.orthogonal_vector());
+}
+
+std::optional<Point3> normal_of_jet(const LibraryPoints& near) {
+  const auto jet = jet_of<Kernel>(near, 1);
+  return jet ? direction_of(jet->normal_direction()) : std::nullopt;
+}
+
+/// Neighbours that fit no quadric get the normal of the plane that fits them best, if there is one.
 std::vector<Point3> estimated(const PointCloud& cloud, NormalFit fit, std::size_t neighbours, Context& context) {
-  const LocalFrame frame(cloud.positions);
-  std::vector<PointVector> points;
-  points.reserve(cloud.size());
-  for (const Point3& p : cloud.positions) {
-    const Point3 local = frame.to_local(p);
-    points.emplace_back(Kernel::Point_3(local[0], local[1], local[2]), CGAL::NULL_VECTOR);
-  }
-  // A lambda, not a std::function: CGAL 5.5.1 would keep a reference to a copy of that which has ended.
-  const auto parameters = CGAL::parameters::point_map(CGAL::First_of_pair_property_map<PointVector>())
-                              .normal_map(CGAL::Second_of_pair_property_map<PointVector>())
-                              .callback([&context](double done) {
-                                context.report(kEstimatedUntil * done);
-                                return !context.cancelled();
-                              });
-  const auto k = static_cast<unsigned>(neighbours);
-  if (fit == NormalFit::jet) {
-    CGAL::jet_estimate_normals<CGAL::Sequential_tag>(points, k, parameters);
-  } else {
-    CGAL::pca_estimate_normals<CGAL::Sequential_tag>(points, k, parameters);
-  }
-  std::vector<Point3> normals;
-  normals.reserve(points.size());
-  for (const auto& [point, normal] : points) {
-    // Neighbours that fit no plane better than another may give no direction.
-    normals.push_back(direction_of({normal.x(), normal.y(), normal.z()}).value_or(Point3{0, 0, 1}));
-  }
+  LibraryPoints points = preparing::local_points(cloud, LocalFrame(cloud.positions));
+  std::vector<Point3> normals(points.size(), Point3{0, 0, 1});
+  preparing::each_neighbourhood(points, neighbours, kEstimatedUntil, context,
+                                [&](std::size_t v, const LibraryPoints& near) {
+                                  std::optional<Point3> normal;
+                                  if (fit == NormalFit::jet) normal = normal_of_jet(near);
+                                  if (!normal) normal = normal_of_plane(near);
+                                  if (normal) normals[v] = *normal;
+                                });
   return normals;
 }
 

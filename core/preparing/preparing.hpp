@@ -16,7 +16,9 @@ namespace surfaced {
 double spacing_of(const std::vector<Point3>& positions, unsigned threads);
 
 /// Where code computes that has absolute thresholds, or that may not lose digits to a far-off origin: the least corner
-/// of the points is the origin, and a power of two brings the longest side of their box to [512, 1024).
+/// of the points is the origin, and a power of two brings the longest side of their box to [512, 1024). Local points
+/// lie on the grid of a double's step at 1024: two are the same or a step apart, so that no product of their distances
+/// that geometry code forms is too small for a double. Points that differ by less are one.
 class LocalFrame {
  public:
   explicit LocalFrame(const std::vector<Point3>& positions);
@@ -26,6 +28,10 @@ class LocalFrame {
   Point3 to_input(const Point3& local) const;
 
  private:
+  static constexpr int kExtentExponent = 10;
+  /// Steps in a unit, as a power of two; 1024 of them need the 53 bits of a double.
+  static constexpr int kStepExponent = 43;
+
   Point3 origin_;
   int exponent_;
 };

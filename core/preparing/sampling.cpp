@@ -36,8 +36,10 @@ Result<PointCloud> sampled(const PointCloud& cloud, std::optional<double> cell, 
   constexpr double kSpacings = 2;
   return preparing::guarded<PointCloud>("sampling", context, [&]() -> Result<PointCloud> {
     const double size = cell ? *cell : kSpacings * spacing_of(cloud.positions, context.threads());
-    if (!(size > 0)) return cloud;
-    const Point3 low = bounds_of(cloud.positions).low;
+    const auto [low, high] = bounds_of(cloud.positions);
+    // In cells that small, whose numbers a double cannot hold, every point is alone.
+    constexpr double kMostCells = 0x1p53;
+    if (!(size > 0) || !(std::ranges::max(high - low) / size < kMostCells)) return cloud;
     std::vector<Candidate> candidates;
     candidates.reserve(cloud.size());
     for (std::size_t v = 0; v < cloud.size(); ++v) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/library_failure.hpp"
 #include "preparing/preparing.hpp"
 
 namespace surfaced::preparing {
@@ -21,7 +22,7 @@ Result<T> guarded(const char* stage, Context& context, Work work) {
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::out_of_memory, std::string(stage) + " needs more memory than there is"};
   } catch (const std::exception& failure) {
-    return Error{ErrorCode::method_failed, std::string(stage) + " failed: " + failure.what()};
+    return Error{ErrorCode::method_failed, std::string(stage) + " failed: " + reason_of(failure)};
   }
 }
 

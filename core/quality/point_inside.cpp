@@ -34,6 +34,9 @@ Crossing cast_ray(const Tree& tree, const Kernel::Segment_3& ray) {
   return hit.size() % 2 == 1 ? Crossing::inside : Crossing::outside;
 }
 
+/// A mesh of which every ray meets an edge or a triangle without area has no inside to speak of.
+constexpr int kMostRays = 200;
+
 bool is_inside(const Tree& tree, const Kernel::Point_3& query) {
   const CGAL::Bbox_3 box = tree.bbox();
   const bool beyond = query.x() < box.xmin() || query.x() > box.xmax() || query.y() < box.ymin() ||
@@ -41,13 +44,16 @@ bool is_inside(const Tree& tree, const Kernel::Point_3& query) {
   if (beyond) return false;
   // A fixed seed: the answer does not depend on the directions, only whether one more is needed.
   CGAL::Random random(1);
-  const double reach = 4 * ((box.xmax() - box.xmin()) + (box.ymax() - box.ymin()) + (box.zmax() - box.zmin()));
-  while (true) {
+  double reach = 4 * ((box.xmax() - box.xmin()) + (box.ymax() - box.ymin()) + (box.zmax() - box.zmin()));
+  for (int ray = 0; ray < kMostRays; ++ray) {
     const Kernel::Vector_3 direction(random.get_double(-1, 1), random.get_double(-1, 1), random.get_double(-1, 1));
     if (direction.squared_length() < 0.25) continue;
     const Crossing crossing = cast_ray(tree, {query, query + direction * reach});
     if (crossing != Crossing::ambiguous) return crossing == Crossing::inside;
+    // The ends of rays lie on the grid of what a double can hold: further off they have more directions.
+    reach *= 2;
   }
+  return false;
 }
 
 }  // namespace

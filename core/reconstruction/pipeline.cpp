@@ -4,7 +4,10 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <new>
 
+#include "base/cancelled.hpp"
+#include "base/library_failure.hpp"
 #include "reconstruction/encoding.hpp"
 #include "reconstruction/finishing_stage.hpp"
 #include "reconstruction/methods.hpp"
@@ -205,9 +208,22 @@ struct Made {
   Json preparing = Json::array();
 };
 
+/// Mesh files hold float32: of points that differ by less than its least number nothing would be left, and squares of
+/// their distances are too small for a double.
+Status check_extent(const PointCloud& cloud) {
+  constexpr auto kLeast = static_cast<double>(std::numeric_limits<float>::min());
+  const Bounds bounds = bounds_of(cloud.positions);
+  const double extent = std::ranges::max(bounds.high - bounds.low);
+  if (cloud.size() < 2 || extent >= kLeast) return Done{};
+  return Error{ErrorCode::coordinate_out_of_range,
+               "the " + std::to_string(cloud.size()) + " distinct points are within " + Json(extent).dump() +
+                   " of each other, less than the least float32, " + Json(kLeast).dump()};
+}
+
 /// What preparing warns of, beyond what the cloud did before, stands before the method's warnings.
 Result<Made> make(const PointCloud& cloud, const MethodInfo& method, const Json& parameters, double until,
                   Context& context) {
+  if (Status fits = check_extent(cloud); !fits) return std::move(fits).error();
   if (!asks_for_preparing(parameters)) {
     context.section(until);
     Result<Reconstruction> result = engine_of(cloud, method, parameters, context);
@@ -228,10 +244,8 @@ Result<Made> make(const PointCloud& cloud, const MethodInfo& method, const Json&
 
 double method_until(const Json& parameters) { return asks_for_simplifying(parameters) ? kMethodUntil : kFinishedUntil; }
 
-}  // namespace
-
-Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters,
-                           Context& context) {
+Result<Reconstruction> run_unguarded(const PointCloud& cloud, const MethodInfo& method, const Json& parameters,
+                                     Context& context) {
   Result<Made> made = make(cloud, method, parameters, asks_for_simplifying(parameters) ? kMethodUntil : 1, context);
   if (!made) return std::move(made).error();
   context.section(1);
@@ -239,7 +253,7 @@ Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, co
   return std::move(made->result);
 }
 
-Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
+Result<Json> reconstruct_unguarded(const FileRequest& request, Context& context) {
   std::optional<MeshFormat> format;
   if (!request.mesh.empty()) {
     const Result<MeshFormat> named = mesh_format_of(request.mesh);
@@ -276,8 +290,9 @@ Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
   return report;
 }
 
-Result<Json> measure_file(const std::filesystem::path& mesh, const std::optional<std::filesystem::path>& cloud_path,
-                          bool self_intersections, Context& context) {
+Result<Json> measure_unguarded(const std::filesystem::path& mesh,
+                               const std::optional<std::filesystem::path>& cloud_path, bool self_intersections,
+                               Context& context) {
   context.section(1);
   context.enter("read", 0.3);
   const Result<TriangleMesh> decoded = read_mesh(mesh);
@@ -310,6 +325,41 @@ Result<Json> measure_file(const std::filesystem::path& mesh, const std::optional
   }
   add_run(report, context);
   return report;
+}
+
+/// The room's wall, for what the rooms below have none of: measuring, encoding, reports. Only memory that has run out
+/// goes on, to whoever set its limit.
+template <class Work>
+auto guarded(Context& context, Work work) -> decltype(work()) {
+  const auto stage = [&] {
+    const std::vector<Stage> stages = context.finish();
+    return stages.empty() ? std::string("before the first") : stages.back().name;
+  };
+  try {
+    return work();
+  } catch (const Cancelled&) {
+    return Error{ErrorCode::cancelled, "cancelled at stage " + stage()};
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& failure) {
+    return Error{ErrorCode::method_failed, "the stage " + stage() + " failed: " + reason_of(failure)};
+  }
+}
+
+}  // namespace
+
+Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, const Json& parameters,
+                           Context& context) {
+  return guarded(context, [&] { return run_unguarded(cloud, method, parameters, context); });
+}
+
+Result<Json> reconstruct_file(const FileRequest& request, Context& context) {
+  return guarded(context, [&] { return reconstruct_unguarded(request, context); });
+}
+
+Result<Json> measure_file(const std::filesystem::path& mesh, const std::optional<std::filesystem::path>& cloud_path,
+                          bool self_intersections, Context& context) {
+  return guarded(context, [&] { return measure_unguarded(mesh, cloud_path, self_intersections, context); });
 }
 
 }  // namespace surfaced

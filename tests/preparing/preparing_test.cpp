@@ -108,6 +108,50 @@ TEST(Preparing, takes_nasty_clouds_and_leaves_finite_points) {
   }
 }
 
+/// A torus and k points that differ by a rounding.
+PointCloud with_coincident_points(std::size_t k) {
+  std::vector<Point3> points = testing::random_torus(60, 5);
+  Point3 p{1, 1, 1};
+  for (std::size_t i = 0; i < k; ++i) {
+    points.push_back(p);
+    p.at(i % 3) = std::nextafter(p.at(i % 3), 2.0);
+  }
+  return cloud_of(points);
+}
+
+TEST(Preparing, a_neighbourhood_that_fits_no_quadric_gets_a_unit_normal_and_stays_in_its_place) {
+  for (const std::size_t k : {7U, 20U, 40U}) {
+    const PointCloud cloud = with_coincident_points(k);
+    Context context;
+    const auto normals = with_normals(cloud, NormalFit::jet, 6, context);
+    ASSERT_TRUE(normals) << normals.error().detail;
+    for (const Normal3& n : normals->normals) EXPECT_NEAR(std::hypot(n[0], n[1], n[2]), 1, 1e-6) << k;
+    const auto smooth = smoothed(cloud, Smoothing::jet, 6, context);
+    ASSERT_TRUE(smooth) << smooth.error().detail;
+    const auto is_coincident = [](const Point3& p) { return norm(p - Point3{1, 1, 1}) < 1e-14; };
+    // Two that a rounding parts may become one.
+    EXPECT_GE(std::ranges::count_if(smooth->positions, is_coincident) + 2, static_cast<std::ptrdiff_t>(k));
+  }
+}
+
+TEST(Preparing, cells_too_small_to_be_numbered_keep_every_point) {
+  const PointCloud cloud = cloud_of(testing::random_torus(100, 6));
+  for (const double cell : {1e-320, 1e-300, 1e-30}) {
+    Context context;
+    const auto sample = sampled(cloud, cell, context);
+    ASSERT_TRUE(sample) << sample.error().detail;
+    EXPECT_EQ(sample->size(), cloud.size()) << cell;
+  }
+}
+
+TEST(LocalFrame, points_are_the_same_or_a_step_apart) {
+  const LocalFrame frame({{0, 0, 0}, {1, 0, 0}, {1e-300, 0, 0}});
+  EXPECT_EQ(frame.to_local(Point3{1e-300, 0, 0}), (Point3{0, 0, 0}));
+  EXPECT_EQ(frame.to_local(Point3{0x1p-60, 0, 0}), (Point3{0, 0, 0}));
+  EXPECT_EQ(frame.to_local(Point3{0x1p-52, 0, 0}), (Point3{0x1p-43, 0, 0}));
+  EXPECT_EQ(frame.to_local(Point3{1, 0.1F, 0.3F}), (Point3{512, 512 * 0.1F, 512 * 0.3F}));
+}
+
 TEST(Preparing, stops_when_cancelled) {
   const PointCloud cloud = cloud_of(testing::random_torus(2000, 3));
   for (const auto& [name, run] : stages()) {
