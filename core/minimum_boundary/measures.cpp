@@ -69,19 +69,18 @@ bool is_sheet(const std::vector<Point3>& positions, const std::vector<double>& s
   return longest > kLong * kLong * std::max({spacing[t[0]], spacing[t[1]], spacing[t[2]]});
 }
 
-/// Vertices of spikes.
-std::size_t count_outliers(const std::vector<Triangle>& triangles, const std::vector<double>& spacing) {
+std::vector<VertexIndex> far_vertices(const std::vector<Triangle>& triangles, const std::vector<double>& spacing) {
   std::vector<double> around(spacing.size(), 0);
   for (const Triangle& t : triangles) {
     for (std::size_t i = 0; i < 3; ++i) {
       around[t[i]] = std::max({around[t[i]], spacing[t[(i + 1) % 3]], spacing[t[(i + 2) % 3]]});
     }
   }
-  std::size_t count = 0;
+  std::vector<VertexIndex> far;
   for (std::size_t v = 0; v < spacing.size(); ++v) {
-    if (std::isfinite(spacing[v]) && spacing[v] > kFar * kFar * around[v]) ++count;
+    if (std::isfinite(spacing[v]) && spacing[v] > kFar * kFar * around[v]) far.emplace_back(v);
   }
-  return count;
+  return far;
 }
 
 }  // namespace
@@ -121,7 +120,7 @@ Sheets sheets_of(const Labelling& labels) {
   const std::size_t least = std::max<std::size_t>(2, complex.points() / kPartsAtMost);
   return {area > 0 ? sheets / area : 0,
           static_cast<std::size_t>(std::ranges::count_if(sizes, [&](std::size_t n) { return n >= least; })),
-          count_outliers(facets, spacing)};
+          far_vertices(facets, spacing)};
 }
 
 }  // namespace surfaced::boundary

@@ -37,7 +37,7 @@ struct Sheets {
   /// Parts that only sheets connect, of at least a hundredth of the points each.
   std::size_t parts = 0;
   /// Vertices more than eight times as far from all their surface neighbours as any of those from its nearest.
-  std::size_t outliers = 0;
+  std::vector<VertexIndex> far;
 };
 /// Per triangle 1 if it is a sheet.
 std::vector<std::uint8_t> mark_sheets(const std::vector<Point3>& positions, const std::vector<Triangle>& triangles);

@@ -342,10 +342,12 @@ class Run {
     const Sheets sheets = sheets_of(labels);
     s.sheet_area_share = sheets.area_share;
     s.joined_parts = sheets.parts;
-    s.outliers = sheets.outliers;
     const SolidAngles angles = solid_angles(labels, context_.threads());
     s.thin_vertices = angles.thin;
     s.buried_vertices = angles.buried;
+    // In the middle of a wide flat face a point is as far from all others, and no spike.
+    s.outliers = static_cast<std::size_t>(
+        std::ranges::count_if(sheets.far, [&](VertexIndex v) { return angles.pointed[v] != 0; }));
     if (parameters_.variant != Parameters::Variant::fast) {
       const Sampling sampling = sampling_of(labels, context_.threads());
       s.sampling = MinimumBoundarySampling{sampling.median, sampling.high, sampling.share_above_one};

@@ -95,6 +95,7 @@ SolidAngles solid_angles(const Labelling& labels, unsigned threads) {
     result.vertices += kind == kOff ? 0U : 1U;
     result.thin += kind == kThinHere ? 1U : 0U;
     result.buried += kind == kBuriedHere ? 1U : 0U;
+    result.pointed.push_back(kind == kThinHere || kind == kBuriedHere ? 1 : 0);
   }
   return result;
 }

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "minimum_boundary/labelling.hpp"
 
@@ -15,6 +17,8 @@ struct SolidAngles {
   std::size_t thin = 0;
   /// More than four fifths inside: the bottom of a pocket.
   std::size_t buried = 0;
+  /// Per point 1 if it is thin or buried.
+  std::vector<std::uint8_t> pointed;
   /// Share of thin vertices that tells a hollow cage: 16 to 39 % on cages, at most 8 % on thin and sparse bodies.
   static constexpr double kHollowShare = 0.12;
   double thin_share() const { return vertices == 0 ? 0 : static_cast<double>(thin) / static_cast<double>(vertices); }
