@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How sparse the points may be: for ε in steps of the local feature size, how often a method gives a closed mesh of the
-// right genus and one component through every point. The table of docs/sampling-limit.md, and its plot.
+// right genus and one component through every point: a table, and a plot of it.
 //   sampling_limit [RUNS [PLOT.svg]]
 #include <algorithm>
 #include <array>
@@ -67,8 +67,8 @@ std::vector<Point3> sample(const Shape& shape, double epsilon, bool even, std::u
     const Point3 p = shape.body.point(random);
     const double own = even || p[0] + 0.3 * p[1] > 0.2 ? radius : smallest;
     const bool fits = std::ranges::none_of(points, [&](const Point3& q) {
-      const Point3 d = p - q;
-      return dot(d, d) < own * own;
+      const Point3 d = surfaced::operator-(p, q);
+      return surfaced::dot(d, d) < own * own;
     });
     if (fits) points.push_back(p);
   }
