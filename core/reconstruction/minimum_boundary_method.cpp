@@ -155,10 +155,10 @@ Method minimum_boundary_method() {
                    "the shortest longest edges. For sparse and uneven clouds of closed objects.",
                .source = "S. Ohrhallinger, S. Mudur, M. Wimmer, Minimizing edge length to connect sparsely sampled "
                          "unstructured point sets, Computers & Graphics 37 (2013)",
-               .guarantees = {"The mesh is closed, consistently oriented outwards, edge- and vertex-manifold.",
+               .guarantees = {"The mesh is closed unless openings=keep, oriented outwards, edge- and vertex-manifold.",
                               "It does not intersect itself, in the coordinates computed with.",
                               "Every vertex is an input point, and every input point is a vertex or inside the mesh."},
-               .limitations = {"The genus is not guaranteed.", "Openings of a scan are closed.",
+               .limitations = {"The genus is not guaranteed.", "Openings of a scan are closed unless openings=keep.",
                                "All points in one plane are refused: no closed surface exists."},
                .parameters = schema_of(parameter_properties())},
       .interpolates = true,
