@@ -11,6 +11,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "base/library_failure.hpp"
 #include "baselines/baselines.hpp"
 #include "baselines/stamped.hpp"
 #include "baselines/watched_kernel.hpp"
@@ -176,7 +177,7 @@ Result<TriangleMesh> advancing_front(const PointCloud& cloud, const AdvancingFro
     return Error{ErrorCode::out_of_memory, "the advancing front over " + std::to_string(cloud.size()) +
                                                " points needs more memory than there is"};
   } catch (const std::exception& failure) {
-    return Error{ErrorCode::method_failed, std::string("CGAL's advancing front failed: ") + failure.what()};
+    return Error{ErrorCode::method_failed, "CGAL's advancing front failed: " + reason_of(failure)};
   }
 }
 

@@ -7,16 +7,24 @@
 #include <utility>
 #include <vector>
 
+#include "base/library_failure.hpp"
 #include "baselines/baselines.hpp"
 #include "baselines/watch.hpp"
 
 namespace surfaced::baselines {
 
+/// The steps that a method may take: some hundred times what it usually does.
+constexpr std::uint64_t most_steps(std::size_t points) {
+  constexpr std::uint64_t kAlways = 50'000'000;
+  constexpr std::uint64_t kPerPoint = 500'000;
+  return kAlways + kPerPoint * points;
+}
+
 /// Runs a method and turns what CGAL throws into errors.
 template <class Work>
 auto guarded(const char* method, const PointCloud& cloud, const Context& context, Work work) -> decltype(work()) {
   try {
-    const Watch watch(context);
+    const Watch watch(context, most_steps(cloud.size()));
     return work();
   } catch (const Cancelled&) {
     return Error{ErrorCode::cancelled, std::string("cancelled during ") + method};
@@ -24,7 +32,7 @@ auto guarded(const char* method, const PointCloud& cloud, const Context& context
     return Error{ErrorCode::out_of_memory, std::string(method) + " over " + std::to_string(cloud.size()) +
                                                " points needs more memory than there is"};
   } catch (const std::exception& failure) {
-    return Error{ErrorCode::method_failed, std::string("CGAL's ") + method + " failed: " + failure.what()};
+    return Error{ErrorCode::method_failed, std::string("CGAL's ") + method + " failed: " + reason_of(failure)};
   }
 }
 

@@ -76,9 +76,12 @@ std::size_t count_left_out(const PointCloud& cloud, const TriangleMesh& mesh, do
 PoissonResult reconstruct(const PointCloud& cloud, const PoissonParameters& parameters, Context& context) {
   constexpr std::size_t kVerticesPerPoint = 10;
   constexpr std::size_t kVerticesAlways = 5'000;
+  // In the local frame: a thousandth of the deviation of a facet, to which places on the surface are found, has to be
+  // more than the step of a double.
+  constexpr double kLeastSpacing = 0x1p-16;
   const double spacing = spacing_of(cloud.positions, context.threads());
   const LocalFrame frame(cloud.positions);
-  const double unit = frame.to_local(spacing);
+  const double unit = std::max(kLeastSpacing, frame.to_local(spacing));
   TriangleMesh mesh = baselines::poisson_surface(oriented_points(cloud, frame),
                                                  {.spacing = unit,
                                                   .facet_radius = parameters.facet_radius * unit,

@@ -18,6 +18,7 @@
 #include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <type_traits>
 #include <unordered_map>
 #include <utility>
 
@@ -74,7 +75,40 @@ namespace {
 using Point = WatchedKernel::Point_3;
 using PointVector = std::pair<Point, WatchedKernel::Vector_3>;
 
-using Traits = CGAL::Robust_circumcenter_traits_3<ExactKernel>;
+bool finite(const ExactKernel::Point_3& p) { return is_finite({p.x(), p.y(), p.z()}); }
+
+/// Whether a ball goes through the points: through two any, three if they span a triangle, four if a tetrahedron. What
+/// are no points, spheres for instance, is not asked.
+template <class... Points>
+bool span_a_ball(const Points&... points) {
+  if constexpr ((std::is_same_v<Points, ExactKernel::Point_3> && ...)) {
+    if (!(finite(points) && ...)) return false;
+    if constexpr (sizeof...(Points) == 3) return !CGAL::collinear(points...);
+    if constexpr (sizeof...(Points) == 4) return !CGAL::coplanar(points...);
+  }
+  return true;
+}
+
+/// A construction by exact arithmetic, which ends the process by SIGFPE where it divides by zero or meets what is no
+/// number.
+template <class Construction>
+struct Asked : Construction {
+  template <class... Points>
+  typename Construction::result_type operator()(const Points&... points) const {
+    if (!span_a_ball(points...)) {
+      throw std::runtime_error("its surface became too thin for its arithmetic; larger facets or sample=grid may help");
+    }
+    return Construction::operator()(points...);
+  }
+};
+
+struct Traits : CGAL::Robust_circumcenter_traits_3<ExactKernel> {
+  using Robust = CGAL::Robust_circumcenter_traits_3<ExactKernel>;
+  using Construct_circumcenter_3 = Asked<Robust::Construct_circumcenter_3>;
+  using Compute_squared_radius_3 = Asked<Robust::Compute_squared_radius_3>;
+  Construct_circumcenter_3 construct_circumcenter_3_object() const { return {}; }
+  Compute_squared_radius_3 compute_squared_radius_3_object() const { return {}; }
+};
 // Stamped, because the mesher keeps bad edges and vertices in sets of handles and takes the least first.
 using TessellationVertex = Stamped<CGAL::Surface_mesh_vertex_base_3<Traits>>;
 using TessellationCell =
@@ -100,7 +134,7 @@ class WatchedPreconditioner : public Eigen::DiagonalPreconditioner<double> {
   using Eigen::DiagonalPreconditioner<double>::DiagonalPreconditioner;
   template <class Rhs>
   auto solve(const Eigen::MatrixBase<Rhs>& b) const {
-    Watch::check();
+    Watch::spend(static_cast<std::uint64_t>(b.size()));
     return Eigen::DiagonalPreconditioner<double>::solve(b);
   }
 };

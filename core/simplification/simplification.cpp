@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/float32.hpp"
+#include "base/library_failure.hpp"
 #include "base/vectors.hpp"
 #include "quality/quality.hpp"
 #include "simplification/collapse.hpp"
@@ -182,7 +183,7 @@ Result<Simplified> guarded(const TriangleMesh& mesh, Work work) {
     return Error{ErrorCode::out_of_memory,
                  "simplifying " + std::to_string(mesh.triangles.size()) + " triangles needs more memory than there is"};
   } catch (const std::exception& failure) {
-    return Error{ErrorCode::method_failed, std::string("CGAL's edge collapse failed: ") + failure.what()};
+    return Error{ErrorCode::method_failed, "CGAL's edge collapse failed: " + reason_of(failure)};
   }
 }
 
