@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "io/gltf_container.hpp"
+#include "io/gltf_elements.hpp"
+#include "io/gltf_transform.hpp"
 #include "io/meshopt.hpp"
 #include "io/scalars.hpp"
 #include "io/text.hpp"
@@ -26,81 +28,10 @@ constexpr std::uint64_t kVerticesPerByte = 2;
 constexpr std::uint64_t kTrianglesPerByte = 4;
 constexpr std::uint64_t kSmallFile = std::uint64_t{1} << 16;
 
+constexpr std::string_view kQuantizationExtension = "KHR_mesh_quantization";
 constexpr std::string_view kDracoExtension = "KHR_draco_mesh_compression";
 
-enum Component { kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126 };
 enum Mode { kTriangles = 4, kStrip = 5, kFan = 6 };
-
-/// x -> linear x + shift.
-struct Affine {
-  std::array<Point3, 3> rows{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  Point3 shift{};
-
-  bool only_shifts() const { return rows == Affine{}.rows; }
-  Point3 turn(const Point3& p) const { return {dot(rows[0], p), dot(rows[1], p), dot(rows[2], p)}; }
-  Point3 operator()(const Point3& p) const {
-    if (shift == Point3{} && only_shifts()) return p;  // adding 0 would turn -0 into 0
-    const Point3 turned = only_shifts() ? p : turn(p);
-    return {turned[0] + shift[0], turned[1] + shift[1], turned[2] + shift[2]};
-  }
-  double determinant() const { return dot(rows[0], cross(rows[1], rows[2])); }
-  /// How normals turn: the matrix of cofactors, whose rows are cross products.
-  Affine cofactors() const { return {{cross(rows[1], rows[2]), cross(rows[2], rows[0]), cross(rows[0], rows[1])}, {}}; }
-  /// First `inner`, then this.
-  Affine after(const Affine& inner) const {
-    Affine result;
-    for (std::size_t r = 0; r < 3; ++r) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        result.rows[r][c] = dot(rows[r], {inner.rows[0][c], inner.rows[1][c], inner.rows[2][c]});
-      }
-    }
-    result.shift = (*this)(inner.shift);
-    return result;
-  }
-};
-
-/// The quarter turn that the writer gives a node for UpAxis::z, exactly.
-bool is_up_rotation(const std::vector<double>& q) {
-  return q == std::vector<double>{-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
-}
-
-Affine rotation(const std::vector<double>& q) {
-  const double x = q[0];
-  const double y = q[1];
-  const double z = q[2];
-  const double w = q[3];
-  return {{{{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-            {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-            {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}}},
-          {}};
-}
-
-Affine transform_of(const GltfDocument& document, const Json& node) {
-  Affine result;
-  if (const Json& matrix = document.member(node, "matrix"); !matrix.is_null()) {
-    const std::vector<double> m = document.numbers(matrix, 16, "matrix");
-    for (std::size_t r = 0; r < 3; ++r) {
-      result.rows[r] = {m[r], m[4 + r], m[8 + r]};
-      result.shift[r] = m[12 + r];
-    }
-    return result;
-  }
-  if (const Json& scale = document.member(node, "scale"); !scale.is_null()) {
-    const std::vector<double> s = document.numbers(scale, 3, "scale");
-    for (std::size_t r = 0; r < 3; ++r) result.rows[r][r] = s[r];
-  }
-  bool up = false;
-  if (const Json& turn = document.member(node, "rotation"); !turn.is_null()) {
-    const std::vector<double> q = document.numbers(turn, 4, "rotation");
-    up = is_up_rotation(q);
-    if (!up) result = rotation(q).after(result);
-  }
-  if (const Json& translation = document.member(node, "translation"); !translation.is_null()) {
-    const std::vector<double> t = document.numbers(translation, 3, "translation");
-    result.shift = up ? Point3{t[0], -t[2], t[1]} : Point3{t[0], t[1], t[2]};
-  }
-  return result;
-}
 
 std::size_t index_at(const Elements& indices, std::size_t i) {
   const std::byte* at = indices.at(i);
@@ -111,17 +42,6 @@ std::size_t index_at(const Elements& indices, std::size_t i) {
       return load_little<std::uint16_t>(at);
     default:
       return load_little<std::uint32_t>(at);
-  }
-}
-
-double component_at(const Elements& elements, std::size_t i, std::size_t c) {
-  switch (elements.component_type) {
-    case kUnsignedByte:
-      return load_little<std::uint8_t>(elements.at(i) + c);
-    case kUnsignedShort:
-      return load_little<std::uint16_t>(elements.at(i) + 2 * c);
-    default:
-      return static_cast<double>(load_little<float>(elements.at(i) + 4 * c));
   }
 }
 
@@ -175,7 +95,7 @@ class SceneReader {
     if (!required.is_array()) return;
     for (const Json& extension : required) {
       const std::string name = extension.is_string() ? extension.get<std::string>() : "?";
-      const bool harmless = name == kDracoExtension || name == kMeshoptExtension ||
+      const bool harmless = name == kDracoExtension || name == kMeshoptExtension || name == kQuantizationExtension ||
                             name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_");
       if (!harmless) document_.unsupported("it requires the extension " + in_quotes(name));
     }
@@ -210,6 +130,11 @@ class SceneReader {
     }
     return roots;
   }
+
+  struct VertexSpan {
+    std::size_t first = 0;
+    std::size_t count = 0;
+  };
 
   void add_mesh(std::uint64_t index, const Affine& transform) {
     const Json& primitives = document_.member(document_.entry("meshes", index), "primitives");
@@ -261,11 +186,6 @@ class SceneReader {
     }
   }
 
-  struct VertexSpan {
-    std::size_t first = 0;
-    std::size_t count = 0;
-  };
-
   /// Primitives of a mesh that share their attributes share the vertices too.
   VertexSpan add_vertices(const Json& attributes, const Affine& transform) {
     std::array<std::optional<std::uint64_t>, 3> key;
@@ -288,8 +208,8 @@ class SceneReader {
   }
 
   void add_positions(const Elements& positions, const Affine& transform) {
-    if (positions.component_type != kFloat || positions.components != 3)
-      document_.unsupported("POSITION is not VEC3 of float");
+    if ((positions.component_type != kFloat && !is_quantised(positions.component_type)) || positions.components != 3)
+      document_.unsupported("POSITION is not VEC3 of float, or of 8 or 16 bits as KHR_mesh_quantization has them");
     for (std::size_t i = 0; i < positions.count; ++i) {
       mesh_.positions.push_back(
           transform({component_at(positions, i, 0), component_at(positions, i, 1), component_at(positions, i, 2)}));
@@ -302,13 +222,13 @@ class SceneReader {
       return;
     }
     const Elements normals = document_.accessor(*accessor);
-    if (normals.component_type != kFloat || normals.components != 3)
-      document_.unsupported("NORMAL is not VEC3 of float");
+    const bool quantised = normals.component_type == kByte || normals.component_type == kShort;
+    if ((normals.component_type != kFloat && !quantised) || normals.components != 3)
+      document_.unsupported("NORMAL is not VEC3 of float, or of signed integers as KHR_mesh_quantization has them");
     if (normals.count != count) document_.malformed("NORMAL and POSITION differ in length");
     for (std::size_t i = 0; i < count; ++i) {
-      push_normal({load_little<float>(normals.at(i)), load_little<float>(normals.at(i) + 4),
-                   load_little<float>(normals.at(i) + 8)},
-                  transform);
+      const auto part = [&](std::size_t c) { return static_cast<float>(component_at(normals, i, c)); };
+      push_normal({part(0), part(1), part(2)}, transform);
     }
   }
 
@@ -334,13 +254,11 @@ class SceneReader {
                             colors.component_type == kFloat;
     if (!known_type || colors.components < 3) document_.unsupported("COLOR_0 is not VEC3 or VEC4 of a colour type");
     if (colors.count != count) document_.malformed("COLOR_0 and POSITION differ in length");
-    const double full = colors.component_type == kUnsignedByte    ? 255
-                        : colors.component_type == kUnsignedShort ? 65535
-                                                                  : 1;
+    const double full = full_scale(colors.component_type);
     for (std::size_t i = 0; i < count; ++i) {
       Color4 color{0, 0, 0, 255};
       for (std::size_t c = 0; c < colors.components; ++c) {
-        const double value = component_at(colors, i, c) / full * 255;
+        const double value = stored_at(colors, i, c) / full * 255;
         color[c] = static_cast<std::uint8_t>(value >= 0 ? std::min(std::round(value), 255.0) : 0);  // NaN is 0
       }
       mesh_.colors.push_back(color);

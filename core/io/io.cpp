@@ -94,15 +94,20 @@ bool looks_like_gltf(std::span<const std::byte> bytes) {
   return starts_with(bytes, "glTF") || (first != bytes.end() && *first == std::byte{'{'});
 }
 
-/// The start as text, without the byte order mark that some programs write.
-std::string_view text_at(ByteSource& source) {
+/// Skips the byte order mark that some programs write before text.
+void skip_mark(ByteSource& source) {
   constexpr std::string_view kMark = "\xef\xbb\xbf";
   if (starts_with(source.peek(kSniffed), kMark)) source.advance(kMark.size());
+}
+
+/// The start as text.
+std::string_view text_at(ByteSource& source) {
   const std::span<const std::byte> start = source.peek(kSniffed);
   return {reinterpret_cast<const char*>(start.data()), std::min(start.size(), kSniffed)};
 }
 
 Result<RawCloud> parse(ByteSource& source, std::string_view name, const ReadLimits& limits) {
+  skip_mark(source);
   const std::span<const std::byte> start = source.peek(kSniffed);
   if (source.failure()) return *source.failure();
   if (start.empty()) return Error{ErrorCode::empty_input, std::string(name) + " has 0 bytes"};
@@ -124,6 +129,7 @@ Result<RawCloud> parse(ByteSource& source, std::string_view name, const ReadLimi
 }
 
 Result<TriangleMesh> parse_mesh(ByteSource& source, std::string_view name, std::vector<std::string>* warnings) {
+  skip_mark(source);
   const std::span<const std::byte> start = source.peek(kSniffed);
   if (source.failure()) return *source.failure();
   if (start.empty()) return Error{ErrorCode::empty_input, std::string(name) + " has 0 bytes"};

@@ -12,6 +12,7 @@ namespace surfaced::io {
 namespace {
 
 constexpr std::size_t kHeader = 227;    // 1.2
+constexpr std::size_t kHeader13 = 235;  // 1.3
 constexpr std::size_t kHeader14 = 375;  // 1.4
 /// Records converted at once.
 constexpr std::size_t kBlock = 4096;
@@ -28,6 +29,8 @@ constexpr auto kRecords = std::to_array<Record>(
 struct LasHeader {
   std::uint64_t offset = 0;
   std::uint64_t count = 0;
+  /// Where what follows the points begins (waveforms, extended records); 0: at the end of the file.
+  std::uint64_t end = 0;
   std::size_t stride = 0;
   std::size_t color = 0;
   Point3 scale{};
@@ -78,11 +81,15 @@ class LasReader {
     header.stride = load_little<std::uint16_t>(bytes.data() + 105);
     header.count = load_little<std::uint32_t>(bytes.data() + 107);
     header.color = kRecords.at(format).color;
+    if (minor >= 3 && bytes.size() >= kHeader13) header.end = load_little<std::uint64_t>(bytes.data() + 227);
     if (minor >= 4) {
       if (bytes.size() < kHeader14)
         return truncated("the header of LAS 1.4 takes " + std::to_string(kHeader14) + " bytes, " +
                          std::to_string(bytes.size()) + " are there");
-      header.count = load_little<std::uint64_t>(bytes.data() + 247);
+      // Some programs fill the count of older versions alone.
+      if (const auto count = load_little<std::uint64_t>(bytes.data() + 247); count > 0) header.count = count;
+      const auto extended = load_little<std::uint64_t>(bytes.data() + 235);
+      if (header.end == 0 || (extended != 0 && extended < header.end)) header.end = extended;
     }
     if (header.stride < kRecords.at(format).length) {
       return malformed("point records of " + std::to_string(header.stride) + " bytes; format " +
@@ -100,18 +107,23 @@ class LasReader {
     return header;
   }
 
-  Status check_size(const LasHeader& header) const {
-    if (header.count == 0) return error(ErrorCode::empty_input, "the LAS declares 0 points");
-    if (header.count > most_) return too_many(name_, header.count, most_);
+  /// More points than declared are warned of: a header that was not finished counts too few.
+  Status check_size(const LasHeader& header) {
     const std::uint64_t size = source_.remaining();
-    const std::uint64_t room = size < header.offset ? 0 : (size - header.offset) / header.stride;
-    if (header.count <= room) return Done{};
-    return truncated("the LAS declares " + std::to_string(header.count) + " points, " + std::to_string(room) +
-                     " are there");
+    const std::uint64_t end = header.end == 0 ? size : std::min(size, header.end);
+    const std::uint64_t room = end < header.offset ? 0 : (end - header.offset) / header.stride;
+    const std::string declared =
+        "the LAS declares " + std::to_string(header.count) + " points, " + std::to_string(room) + " are there";
+    if (header.count == 0) return error(ErrorCode::empty_input, room == 0 ? "the LAS declares 0 points" : declared);
+    if (header.count > most_) return too_many(name_, header.count, most_);
+    if (header.count > room) return truncated(declared);
+    if (header.count < room) warnings_.push_back(declared + "; those beyond the declared ones are left out");
+    return Done{};
   }
 
   Result<RawCloud> read_records(const LasHeader& header) {
     RawCloud cloud;
+    cloud.warnings = std::move(warnings_);
     std::vector<WideColor> colors;
     cloud.positions.resize(static_cast<std::size_t>(header.count));
     if (header.color != 0) colors.resize(cloud.size());
@@ -141,6 +153,7 @@ class LasReader {
   ByteSource& source_;
   std::string_view name_;
   std::uint64_t most_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace

@@ -17,6 +17,9 @@ namespace {
 constexpr auto kKeywords = std::to_array<std::string_view>(
     {"v", "vn", "vt", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl", "fo", "shadow_obj", "lod"});
 
+/// Of a statement over several lines.
+constexpr std::size_t kLongestStatement = std::size_t{1} << 20;
+
 /// A corner of a face: indices from 1, or from the end where negative; 0 where absent.
 struct Corner {
   std::int64_t vertex = 0;
@@ -30,10 +33,10 @@ class ObjReader {
 
   Status run() {
     for (;;) {
-      const Result<bool> there = lines_.next();
+      const Result<bool> there = next_statement();
       if (!there) return there.error();
       if (!*there) break;
-      std::string_view rest = lines_.text();
+      std::string_view rest = statement_;
       const std::string_view keyword = take_word(rest);
       Status status = keyword == "v"                  ? read_vertex(rest)
                       : keyword == "vn"               ? read_normal(rest)
@@ -50,6 +53,27 @@ class ObjReader {
   std::vector<std::string> warnings;
 
  private:
+  /// A line, with those that it continues in by a '\\' at its end.
+  Result<bool> next_statement() {
+    Result<bool> there = lines_.next();
+    if (!there || !*there) return there;
+    statement_ = lines_.text();
+    if (!statement_.ends_with('\\')) return there;
+    joined_.clear();
+    while (*there && lines_.text().ends_with('\\')) {
+      joined_.append(lines_.text());
+      joined_.back() = ' ';
+      if (joined_.size() > kLongestStatement) {
+        return lines_.malformed("a statement of more than " + std::to_string(kLongestStatement) + " bytes");
+      }
+      there = lines_.next();
+      if (!there) return there;
+    }
+    if (*there) joined_.append(lines_.text());
+    statement_ = joined_;
+    return true;
+  }
+
   Status skip(std::string_view keyword) {
     if (keyword == "f") has_faces_ = true;
     if (keyword.empty() || keyword.starts_with('#')) return Done{};
@@ -171,6 +195,8 @@ class ObjReader {
   TextLines lines_;
   std::uint64_t most_;
   bool with_faces_;
+  std::string_view statement_;
+  std::string joined_;
   std::vector<Normal3> normals_;
   std::vector<WideColor> colors_;
   bool has_faces_ = false;

@@ -79,7 +79,7 @@ class HeaderReader {
     if (keyword == "count")
       return for_each_field(rest, [](Field& field, double value) {
         field.count = static_cast<std::size_t>(value);
-        return value >= 1 && value <= static_cast<double>(kMostProperties);
+        return value >= 0 && value <= static_cast<double>(kMostProperties);
       });
     if (keyword == "type") return read_types(rest);
     if (keyword != "width" && keyword != "height" && keyword != "points") {
@@ -165,11 +165,13 @@ Scalar scalar_of(const Field& field) {
   return is_signed ? Scalar::int32 : Scalar::uint32;
 }
 
-/// The fields under the names that PLY has for them; packed colours as four bytes. Those of 64-bit integers stay
-/// nameless.
+/// The fields under PLY's names; packed colours as four bytes. Those of 64-bit integers stay nameless.
 PlyElement element_of(const PcdHeader& header) {
-  static const std::map<std::string, std::string> kNames{{"x", "x"},         {"y", "y"},         {"z", "z"},
-                                                         {"normal_x", "nx"}, {"normal_y", "ny"}, {"normal_z", "nz"}};
+  static const std::map<std::string, std::string> kNames{
+      {"x", "x"},         {"y", "y"},   {"z", "z"},     {"normal_x", "nx"}, {"normal_y", "ny"}, {"normal_z", "nz"},
+      {"nx", "nx"},       {"ny", "ny"}, {"nz", "nz"},   {"red", "red"},     {"green", "green"}, {"blue", "blue"},
+      {"alpha", "alpha"}, {"r", "red"}, {"g", "green"}, {"b", "blue"},      {"a", "alpha"}};
+  const bool packed = std::ranges::any_of(header.fields, &Field::is_color);
   PlyElement element{.name = "vertex", .count = header.points, .properties = {}};
   for (const Field& field : header.fields) {
     if (field.is_color()) {
@@ -180,7 +182,8 @@ PlyElement element_of(const PcdHeader& header) {
     }
     const bool wide_integer = field.size == 8 && field.type != 'F';
     const auto known = kNames.find(field.name);
-    const std::string name = known == kNames.end() || field.count != 1 || wide_integer ? std::string() : known->second;
+    std::string name = known == kNames.end() || field.count != 1 || wide_integer ? std::string() : known->second;
+    if (packed && name.size() > 2) name.clear();  // no channel beside packed colours; axes are x and nx
     const Scalar type = wide_integer ? Scalar::float64 : scalar_of(field);
     element.properties.insert(element.properties.end(), field.count, {.name = name, .type = type, .count_type = {}});
   }
@@ -189,12 +192,9 @@ PlyElement element_of(const PcdHeader& header) {
 
 /// Depth cameras mark pixels without a measurement by NaN.
 void drop_unmeasured(RawCloud& cloud) {
-  const auto measured = [&](std::size_t i) {
-    return std::ranges::none_of(cloud.positions[i], [](double x) { return std::isnan(x); });
-  };
   std::size_t kept = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!measured(i)) continue;
+    if (std::ranges::any_of(cloud.positions[i], [](double x) { return std::isnan(x); })) continue;
     cloud.positions[kept] = cloud.positions[i];
     if (!cloud.normals.empty()) cloud.normals[kept] = cloud.normals[i];
     if (!cloud.colors.empty()) cloud.colors[kept] = cloud.colors[i];
@@ -370,7 +370,9 @@ Result<RawCloud> read_pcd_cloud(ByteSource& source, std::string_view name, const
   if (header->points == 0) return Error{ErrorCode::empty_input, called + ": the PCD declares 0 points"};
   if (header->points > most_points(limits)) return too_many(name, header->points, most_points(limits));
   // The least row of an ascii file: a character and a separator a value.
-  const std::uint64_t least = header->data == Data::ascii    ? 2 * header->fields.size()
+  std::uint64_t values = 0;
+  for (const Field& field : header->fields) values += field.count;
+  const std::uint64_t least = header->data == Data::ascii    ? 2 * values
                               : header->data == Data::binary ? header->stride()
                                                              : 0;
   if (least > 0 && header->points > (source.remaining() + 1) / least) {

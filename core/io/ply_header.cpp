@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/text.hpp"
+#include "io/text_lines.hpp"
 
 namespace surfaced::io {
 namespace {
@@ -73,7 +74,10 @@ class Lines {
   std::optional<std::string_view> next() {
     for (;;) {
       const std::string_view window = text();
-      if (number_ == 0) only_cr_ = window.size() > 4 && window[3] == '\r' && window[4] != '\n';
+      if (number_ == 0) {
+        const std::size_t cr = window.find_first_of("\r\n");
+        only_cr_ = cr < window.size() - 1 && window[cr] == '\r' && window[cr + 1] != '\n';
+      }
       const std::size_t end = window.find(only_cr_ ? '\r' : '\n', consumed_);
       if (end != std::string_view::npos) {
         std::string_view line = window.substr(consumed_, end - consumed_);
@@ -273,7 +277,10 @@ std::size_t size_of(Scalar type) {
 bool PlyElement::has_lists() const { return std::ranges::any_of(properties, &PlyProperty::is_list); }
 
 std::optional<std::size_t> PlyElement::find(std::string_view property) const {
-  const auto found = std::ranges::find(properties, property, &PlyProperty::name);
+  auto found = std::ranges::find(properties, property, &PlyProperty::name);
+  if (found == properties.end()) {
+    found = std::ranges::find_if(properties, [&](const PlyProperty& p) { return in_lower_case(p.name) == property; });
+  }
   if (found == properties.end()) return std::nullopt;
   return static_cast<std::size_t>(found - properties.begin());
 }
@@ -291,9 +298,11 @@ const PlyElement* PlyHeader::find(std::string_view element) const {
 
 bool looks_like_ply(std::span<const std::byte> bytes) {
   constexpr std::string_view kMagic = "ply";
-  if (bytes.size() <= kMagic.size()) return false;
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), kMagic.size() + 1);
-  return text.starts_with(kMagic) && (text.back() == '\n' || text.back() == '\r');
+  constexpr std::size_t kLongest = 80;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kLongest));
+  if (in_lower_case(text.substr(0, kMagic.size())) != kMagic) return false;
+  const std::size_t end = text.find_first_not_of(" \t", kMagic.size());
+  return end != std::string_view::npos && (text[end] == '\n' || text[end] == '\r');
 }
 
 Result<PlyHeader> read_ply_header(ByteSource& source, std::string_view name) {

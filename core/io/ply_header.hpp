@@ -32,7 +32,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   bool has_lists() const;
-  /// Index of the property with this name.
+  /// Index of the property with this name; if there is none, of one that differs in the case of its letters alone.
   std::optional<std::size_t> find(std::string_view property) const;
   /// Least number of bytes of a row in a binary file (all lists empty); exact without lists.
   std::size_t least_binary_row() const;

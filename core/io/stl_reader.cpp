@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "io/formats.hpp"
@@ -54,6 +55,13 @@ Status read_binary(ByteSource& source, std::string_view name, Sink sink) {
     done += static_cast<std::uint32_t>(whole);
   }
   return Done{};
+}
+
+/// After the facets of a binary file: a sentence if more follows.
+void warn_of_rest(ByteSource& source, StlKind kind, std::vector<std::string>& warnings) {
+  if (kind == StlKind::binary && source.remaining() > 0) {
+    warnings.push_back(std::to_string(source.remaining()) + " bytes after the last facet ignored");
+  }
 }
 
 /// Walks the words of an ascii file; what follows `solid`, `endsolid` and `normal` is not looked at.
@@ -173,6 +181,30 @@ class Joiner {
   std::vector<VertexIndex> slots_;
 };
 
+/// Text, then zeros, as programs fill the header; and a count below 2^24, whose highest byte is one that text does not
+/// have.
+bool has_header_of_text(std::string_view start) {
+  if (start[kHeader + 3] != '\0') return false;
+  const std::string_view header = start.substr(0, kHeader);
+  const std::size_t end = std::min(header.find('\0'), header.size());
+  return std::ranges::all_of(header.substr(0, end), [](char c) { return c >= ' ' && c <= '~'; }) &&
+         std::ranges::all_of(header.substr(end), [](char c) { return c == '\0'; });
+}
+
+/// Whether the first facets are such as a mesh has: a file longer or shorter than its count says is told by them.
+bool begins_with_facets(std::span<const std::byte> bytes, std::uint32_t count) {
+  constexpr std::size_t kLookedAt = 16;
+  const std::size_t facets = std::min({kLookedAt, bytes.size() / kFacet, static_cast<std::size_t>(count)});
+  for (std::size_t f = 0; f < facets; ++f) {
+    for (std::size_t k = 0; k < 12; ++k) {
+      const double x = std::abs(static_cast<double>(load_little<float>(bytes.data() + f * kFacet + 4 * k)));
+      const double most = k < 3 ? 1.01 : 1e15;  // a normal is no longer than 1
+      if (!(x <= most) || (x > 0 && x < 1e-20)) return false;
+    }
+  }
+  return facets > 0;
+}
+
 Error no_facets(std::string_view name) {
   return {ErrorCode::empty_input, std::string(name) + ": the STL has no facets"};
 }
@@ -187,6 +219,9 @@ std::optional<StlKind> stl_kind_of(std::span<const std::byte> start, std::uint64
     if (size == kHeader + 4 + kFacet * std::uint64_t{count}) return StlKind::binary;
     // Binary files begin with 'solid' too; the count's bytes tell them.
     if (solid && text.substr(0, kHeader + 4).find('\0') != std::string_view::npos) return StlKind::binary;
+    if (!solid && count > 0 && has_header_of_text(text) && begins_with_facets(start.subspan(kHeader + 4), count)) {
+      return StlKind::binary;
+    }
   }
   return solid ? std::optional(StlKind::ascii) : std::nullopt;
 }
@@ -211,6 +246,7 @@ Result<RawCloud> read_stl_cloud(ByteSource& source, std::string_view name, StlKi
   });
   if (!status) return std::move(status).error();
   if (cloud.size() == 0) return no_facets(name);
+  warn_of_rest(source, kind, cloud.warnings);
   return cloud;
 }
 
@@ -232,6 +268,7 @@ Result<TriangleMesh> read_stl_mesh(ByteSource& source, std::string_view name, St
   });
   if (!status) return std::move(status).error();
   if (mesh.positions.empty()) return no_facets(name);
+  warn_of_rest(source, kind, warnings);
   warn_of_degenerate(degenerate, warnings);
   return mesh;
 }

@@ -102,6 +102,11 @@ void save_scan_seeds() {
     save_text("las/" + std::to_string(format) + ".las", las_file({{{1, -2, 3}, {65535, 0, 7}}, {{4, 5, 6}, {1, 2, 3}}},
                                                                  {.minor = format == 7 ? 4 : 2, .format = format}));
   }
+  save_text("obj/continued.obj", "g \\\nname\nv 1 \\\n 2 3\nv 4 5 6\n");
+  save_text("stl/more.stl", binary_stl(two_facets(), "made by hand") + "more");
+  save_text("pcd/nothing.pcd",
+            "VERSION .7\nFIELDS x y _ z r g b\nSIZE 4 4 1 4 8 8 8\nTYPE F F U F F F F\n"
+            "COUNT 1 1 0 1 1 1 1\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3 4 5 6\n");
   std::string points(kTwoNodes);
   points.replace(points.find("\"mode\":5"), 8, "\"mode\":0");
   save_text("gltf/points.gltf", points);
