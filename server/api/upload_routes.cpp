@@ -4,6 +4,7 @@
 #include "api/upload_headers.hpp"
 #include "http/problem.hpp"
 #include "platform/digest.hpp"
+#include "platform/space.hpp"
 
 namespace surfaced::api {
 namespace {
@@ -166,11 +167,13 @@ class Uploads {
     return complete(*session);
   }
 
-  static Result<PartialUpload> receive(Request& request, UploadStore::Session& session,
-                                       const std::optional<UploadChecksum>& checksum) {
+  Result<PartialUpload> receive(Request& request, UploadStore::Session& session,
+                                const std::optional<UploadChecksum>& checksum) {
     if (session.upload().whole()) return session.upload();
     auto digest = checksum ? Digest::named(checksum->algorithm) : std::nullopt;
+    SpaceLooks space([this](std::uint64_t needed) { return service_.check_space(needed); });
     const Status read = request.body->read([&](std::span<const std::byte> bytes) {
+      if (Status there = space.before(bytes.size()); !there.ok()) return there;
       if (digest) digest->update(bytes);
       return session.write(bytes);
     });
@@ -190,8 +193,8 @@ class Uploads {
     if (!read && read.error().code == ErrorCode::payload_too_large) return read.error();
     // What came before the connection broke off is kept: that is what resumable means.
     auto kept = session.keep();
-    if (!kept) return kept;
-    return read ? std::move(kept) : read.error();
+    if (!read) return read.error();
+    return kept;
   }
 
   /// Makes a stored cloud of an upload that is whole.

@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <charconv>
 #include <fstream>
-#include <functional>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -16,6 +15,7 @@
 #include "platform/files.hpp"
 #include "platform/random.hpp"
 #include "platform/sha256.hpp"
+#include "platform/space.hpp"
 
 namespace surfaced {
 namespace {
@@ -24,27 +24,19 @@ namespace fs = std::filesystem;
 
 std::string directory_of(const Claim& claim) { return claim.job + "-" + std::to_string(claim.attempt); }
 
-/// Bytes of an upload between two looks at the space that is left.
-constexpr std::uint64_t kBytesBetweenLooks = std::uint64_t{8} << 20;
-
-using SpaceCheck = std::function<Status()>;
-
 class FileUpload final : public Upload {
  public:
-  FileUpload(UniqueFd fd, fs::path temporary, fs::path inputs, SpaceCheck check_space)
+  FileUpload(UniqueFd fd, fs::path temporary, fs::path inputs, SpaceLooks::Check check_space)
       : fd_(std::move(fd)),
         temporary_(std::move(temporary)),
         inputs_(std::move(inputs)),
-        check_space_(std::move(check_space)) {}
+        space_(std::move(check_space)) {}
   ~FileUpload() override {
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
   }
 
   Status write(std::span<const std::byte> bytes) override {
-    if (bytes_ + bytes.size() >= next_look_) {
-      if (Status space = check_space_(); !space.ok()) return space;
-      next_look_ = bytes_ + bytes.size() + kBytesBetweenLooks;
-    }
+    if (Status space = space_.before(bytes.size()); !space.ok()) return space;
     sha_.update(bytes);
     bytes_ += bytes.size();
     return write_all(fd_.get(), bytes, "store the upload");
@@ -72,11 +64,10 @@ class FileUpload final : public Upload {
   // Removed with this object; empty once the upload is committed.
   fs::path temporary_;
   fs::path inputs_;
-  SpaceCheck check_space_;
+  SpaceLooks space_;
   Sha256 sha_;
   std::string digest_;
   std::uint64_t bytes_ = 0;
-  std::uint64_t next_look_ = kBytesBetweenLooks;
 };
 
 class FileReader final : public OutputReader {
@@ -137,8 +128,8 @@ class FileArtifactStore final : public ArtifactStore {
     fs::path temporary = uploads_ / random_hex<16>();
     UniqueFd fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
     if (!fd) return system_error("begin an upload", errno);
-    return std::unique_ptr<Upload>(
-        std::make_unique<FileUpload>(std::move(fd), std::move(temporary), inputs_, [this] { return check_space(0); }));
+    return std::unique_ptr<Upload>(std::make_unique<FileUpload>(
+        std::move(fd), std::move(temporary), inputs_, [this](std::uint64_t needed) { return check_space(needed); }));
   }
 
   Result<fs::path> input_file(std::string_view key) override { return inputs_ / key; }

@@ -76,8 +76,12 @@ void take_standard_descriptors() {
 }
 
 AttemptLimits attempt_limits(const Settings& settings) {
-  return {settings.job_memory, settings.max_points, settings.job_output, std::chrono::seconds(settings.job_time_limit),
-          static_cast<unsigned>(settings.threads_per_job)};
+  return {settings.job_memory,
+          settings.max_points,
+          settings.job_output,
+          std::chrono::seconds(settings.job_time_limit),
+          static_cast<unsigned>(settings.threads_per_job),
+          settings.minimum_free};
 }
 
 http::ServerLimits server_limits(const Settings& settings) {

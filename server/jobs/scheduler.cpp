@@ -33,6 +33,11 @@ std::string points_of(const Job& job) {
   return std::ranges::find(job.wanted, kName) != job.wanted.end() ? std::string(kName) : std::string();
 }
 
+/// A server, or a worker, has ended under an attempt at this job: perhaps by it.
+bool was_lost(const Job& job) {
+  return std::ranges::find(job.attempts, name_of(Outcome::lost), &Attempt::outcome) != job.attempts.end();
+}
+
 }  // namespace
 
 Scheduler::Scheduler(JobStore& jobs, ArtifactStore& artifacts, JobEvents& events, const AttemptRunner& runner,
@@ -166,9 +171,11 @@ AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& st
   log->line("job " + claim.job + " attempt " + std::to_string(claim.attempt) + " request " + claimed.job.request_id);
   log->line("method " + claimed.job.method + " " + claimed.job.parameters.dump());
   log->line("input " + std::to_string(claimed.job.input.bytes) + " bytes, sha256 " + claimed.job.input.sha256);
-  const AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters,  *cloud,
-                         *directory, claimed.job.wanted.front(), points_of(claimed.job),  options_.limits,
-                         ::getpid(), claimed.job.traceparent,    more_meshes(claimed.job)};
+  AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters,  *cloud,
+                   *directory, claimed.job.wanted.front(), points_of(claimed.job),  options_.limits,
+                   ::getpid(), claimed.job.traceparent,    more_meshes(claimed.job)};
+  spec.guarded = was_lost(claimed.job);
+  if (spec.guarded) log->line("an attempt was lost before: this one is watched by a process of its own");
   auto told = std::chrono::steady_clock::time_point();
   AttemptResult result = runner_.run(spec, stop, *log, [&](double progress, std::string_view phase) {
     stages.enter(phase);

@@ -57,13 +57,16 @@ Status write_all(int fd, std::span<const std::byte> bytes, std::string_view acti
 Status write_file_durably(const std::filesystem::path& path, std::string_view content) {
   std::filesystem::path temporary = path;
   temporary += ".new";
+  const std::string action = "write " + path.filename().string();
   const UniqueFd fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!fd) return system_error("write " + path.filename().string(), errno);
-  if (Status written = write_all(fd.get(), as_bytes(content), "write " + path.filename().string()); !written.ok()) {
-    return written;
+  if (!fd) return system_error(action, errno);
+  Status written = write_all(fd.get(), as_bytes(content), action);
+  if (written && (::fsync(fd.get()) != 0 || ::rename(temporary.c_str(), path.c_str()) != 0)) {
+    written = system_error(action, errno);
   }
-  if (::fsync(fd.get()) != 0 || ::rename(temporary.c_str(), path.c_str()) != 0) {
-    return system_error("write " + path.filename().string(), errno);
+  if (!written) {
+    ::unlink(temporary.c_str());
+    return written;
   }
   return sync_directory(path.parent_path());
 }

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "io/io.hpp"
 #include "platform/files.hpp"
 #include "platform/random.hpp"
 
@@ -61,7 +60,10 @@ Result<PartialUpload> UploadStore::create(std::string_view owner, std::uint64_t 
       random_hex<16>(), std::string(owner), length, 0, std::string(metadata), time, time + lifetime_, "", false};
   const UniqueFd fd(::open(bytes_file(upload.id).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
   if (!fd) return system_error("begin an upload", errno);
-  if (Status saved = save(upload); !saved.ok()) return saved.error();
+  if (Status saved = save(upload); !saved.ok()) {
+    ::unlink(bytes_file(upload.id).c_str());
+    return saved.error();
+  }
   return upload;
 }
 
@@ -88,7 +90,7 @@ Result<PartialUpload> UploadStore::load(std::string_view id) const {
 
 Status UploadStore::save(const PartialUpload& upload) const {
   const std::string text = record_of(upload).dump(-1, ' ', false, Json::error_handler_t::replace);
-  return write_file(record_file(upload.id), as_bytes(text));
+  return write_file_durably(record_file(upload.id), text);
 }
 
 Result<PartialUpload> UploadStore::find(std::string_view id) {

@@ -14,6 +14,8 @@ namespace surfaced {
 class AttemptLog {
  public:
   static Result<AttemptLog> create(const std::filesystem::path& file);
+  /// A log that goes on elsewhere.
+  static AttemptLog onto(UniqueFd fd) { return AttemptLog(std::move(fd)); }
 
   /// A line of the server, with the time before it.
   void line(std::string_view text);

@@ -46,9 +46,10 @@ Result<AttemptSpec> decode_attempt(std::string_view text) {
     spec.directory = json.at("directory").get<std::string>();
     spec.mesh = json.at("mesh").get<std::string>();
     spec.points = json.at("points").get<std::string>();
-    spec.limits = {json.at("memory_bytes").get<std::uint64_t>(), json.at("max_points").get<std::uint64_t>(),
-                   json.at("file_bytes").get<std::uint64_t>(),
-                   std::chrono::seconds(json.at("seconds").get<std::int64_t>()), json.at("threads").get<unsigned>()};
+    spec.limits = {
+        json.at("memory_bytes").get<std::uint64_t>(), json.at("max_points").get<std::uint64_t>(),
+        json.at("file_bytes").get<std::uint64_t>(),   std::chrono::seconds(json.at("seconds").get<std::int64_t>()),
+        json.at("threads").get<unsigned>(),           0};
     spec.parent = json.at("parent").get<int>();
     spec.more_meshes = json.at("more_meshes").get<std::vector<std::string>>();
     spec.traceparent = json.at("traceparent").get<std::string>();

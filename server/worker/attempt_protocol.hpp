@@ -26,10 +26,12 @@ inline constexpr std::size_t kMaxMessageBytes = 8192;
 struct AttemptLimits {
   std::uint64_t memory_bytes = 0;
   std::uint64_t max_points = 0;
-  /// Size of any file it writes.
+  /// Size of any file it writes, and of all that lie in its directory at a time.
   std::uint64_t file_bytes = 0;
   std::chrono::seconds time{};
   unsigned threads = 1;
+  /// What is to stay free of the disk; the server alone looks at it.
+  std::uint64_t minimum_free = 0;
 };
 
 // nlohmann declares its move noexcept; the analyzer follows its assertions.
@@ -51,6 +53,9 @@ struct AttemptSpec {
   std::string traceparent{};
   /// Names of further meshes to write, in the formats of their names.
   std::vector<std::string> more_meshes{};
+  /// To be watched by a process of its own, so that the server outlives it whatever it does; the server alone looks at
+  /// it.
+  bool guarded = false;
 };
 
 std::string encode(const AttemptSpec& spec);

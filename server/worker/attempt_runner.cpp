@@ -9,20 +9,24 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <iterator>
 
+#include "worker/attempt_bounds.hpp"
 #include "worker/child_process.hpp"
+#include "worker/guard_main.hpp"
+#include "worker/overuse.hpp"
 
 namespace surfaced {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Between TERM and KILL.
+/// Between TERM and KILL. A guard gets the time for that, and to tell of it.
 constexpr std::chrono::milliseconds kGrace{500};
+constexpr std::chrono::milliseconds kGraceOfGuard{1500};
 /// What a child that has ended may have left in a pipe.
 constexpr std::size_t kMaxLeftover = std::size_t{1} << 20;
-/// Between two looks at the child's memory: RLIMIT_DATA does not count what is shared or mapped from a file of
-/// memory, and a limit that the child sets upon itself is only as good as the child.
+/// Between two looks at what the child uses.
 constexpr std::chrono::milliseconds kWatchInterval{100};
 
 /// Hands on what can be read now, up to a limit; false at the end of the stream.
@@ -46,10 +50,10 @@ class Watch {
   Watch(ChildProcess& child, const AttemptSpec& spec, const StopSignal& stop, AttemptLog& log,
         const AttemptRunner::ProgressSink& progress)
       : child_(child),
+        spec_(spec),
         stop_(stop),
         log_(log),
         progress_(progress),
-        memory_limit_(spec.limits.memory_bytes),
         deadline_(Clock::now() + spec.limits.time) {}
 
   /// Returns once the child has ended or was killed.
@@ -76,7 +80,8 @@ class Watch {
   }
 
   bool timed_out() const { return timed_out_; }
-  bool out_of_memory() const { return out_of_memory_; }
+  /// For which it was killed.
+  const std::optional<Overuse>& overuse() const { return overuse_; }
   const std::optional<Error>& problem() const { return problem_; }
 
  private:
@@ -89,11 +94,11 @@ class Watch {
     const auto time = Clock::now();
     if (time >= next_look_) {
       next_look_ = time + kWatchInterval;
-      look_at_the_memory();
+      end_if(overuse_of(child_, spec_));
     }
     if (time < deadline_) return;
     if (asked_) {
-      child_.signal_group(SIGKILL);
+      child_.kill();
       killed_ = true;
     } else {
       timed_out_ = true;
@@ -101,22 +106,31 @@ class Watch {
     }
   }
 
-  void look_at_the_memory() {
-    if (child_.memory_bytes() <= memory_limit_) return;
-    out_of_memory_ = true;
-    child_.signal_group(SIGKILL);
+  void end_if(std::optional<Overuse> overuse) {
+    if (!overuse) return;
+    overuse_ = std::move(overuse);
+    child_.kill();
     killed_ = true;
+  }
+
+  /// Reading costs the server time, whatever becomes of the bytes.
+  void count(std::size_t bytes) {
+    output_bytes_ += bytes;
+    if (output_bytes_ <= kMostOutput || killed_) return;
+    end_if(Overuse{Outcome::crashed, Error{ErrorCode::crashed, "the work said more than the limit of " +
+                                                                   std::to_string(kMostOutput) + " bytes"}});
   }
 
   void ask_to_end() {
     if (asked_) return;
     asked_ = true;
-    deadline_ = Clock::now() + kGrace;
+    deadline_ = Clock::now() + (spec_.guarded ? kGraceOfGuard : kGrace);
     child_.signal_group(SIGTERM);
   }
 
   bool read_messages() {
     return drain(child_.messages(), kMaxLeftover, [&](std::string_view bytes) {
+      count(bytes.size());
       splitter_.add(bytes, [&](std::string_view line) {
         const Message message = decode_message(line);
         if (const auto* progress = std::get_if<ProgressMessage>(&message))
@@ -127,14 +141,17 @@ class Watch {
   }
 
   bool read_output() {
-    return drain(child_.output(), kMaxLeftover, [&](std::string_view bytes) { log_.child_output(bytes); });
+    return drain(child_.output(), kMaxLeftover, [&](std::string_view bytes) {
+      count(bytes.size());
+      log_.child_output(bytes);
+    });
   }
 
   ChildProcess& child_;
+  const AttemptSpec& spec_;
   const StopSignal& stop_;
   AttemptLog& log_;
   const AttemptRunner::ProgressSink& progress_;
-  const std::uint64_t memory_limit_;
   Clock::time_point deadline_;
   Clock::time_point next_look_;
   LineSplitter splitter_;
@@ -142,7 +159,8 @@ class Watch {
   bool asked_ = false;
   bool killed_ = false;
   bool timed_out_ = false;
-  bool out_of_memory_ = false;
+  std::optional<Overuse> overuse_;
+  std::uint64_t output_bytes_ = 0;
 };
 
 /// What the child's own words mean for its job.
@@ -205,11 +223,7 @@ AttemptResult judge(const ChildProcess::Exit& exit, const Watch& watch, const St
     return {Outcome::timed_out, Error{ErrorCode::timed_out, "the work took longer than the limit of " +
                                                                 std::to_string(spec.limits.time.count()) + " s"}};
   }
-  if (watch.out_of_memory()) {
-    return {Outcome::out_of_memory,
-            Error{ErrorCode::out_of_memory, "the work took more memory than the limit of " +
-                                                std::to_string(spec.limits.memory_bytes) + " bytes"}};
-  }
+  if (watch.overuse()) return {watch.overuse()->outcome, watch.overuse()->error};
   return judge_exit(exit, watch.problem(), spec);
 }
 
@@ -218,17 +232,31 @@ AttemptResult judge(const ChildProcess::Exit& exit, const Watch& watch, const St
 AttemptResult AttemptRunner::run(const AttemptSpec& spec, const StopSignal& stop, AttemptLog& log,
                                  const ProgressSink& progress) const {
   std::vector<std::string> command = command_;
+  if (spec.guarded) command.insert(std::next(command.begin()), kGuardCommand);
   command.push_back(encode(spec));
   const auto began = Clock::now();
-  auto child = ChildProcess::start(command);
-  if (!child) return {Outcome::lost, child.error()};
+  auto run = run_once(command, spec, stop, log, progress);
+  if (run && run->cannot_be_contained) {
+    namespaces_ = ChildProcess::Namespaces::shared;
+    run = run_once(command, spec, stop, log, progress);
+  }
+  if (!run) return {Outcome::lost, run.error()};
+  run->result.usage.seconds = std::chrono::duration<double>(Clock::now() - began).count();
+  return std::move(run->result);
+}
+
+Result<AttemptRunner::Run> AttemptRunner::run_once(const std::vector<std::string>& command, const AttemptSpec& spec,
+                                                   const StopSignal& stop, AttemptLog& log,
+                                                   const ProgressSink& progress) const {
+  auto child = ChildProcess::start(command, spec.guarded ? ChildProcess::Namespaces::shared : namespaces_.load());
+  if (!child) return child.error();
   Watch watch(*child, spec, stop, log, progress);
   watch.until_end();
   const ChildProcess::Exit exit = child->reap();
-  AttemptResult result = judge(exit, watch, stop, spec);
-  result.usage = {std::chrono::duration<double>(Clock::now() - began).count(), exit.cpu_seconds,
-                  exit.peak_memory_bytes};
-  return result;
+  Run run{judge(exit, watch, stop, spec), exit.cannot_be_contained};
+  run.result.usage.cpu_seconds = exit.cpu_seconds;
+  run.result.usage.peak_memory_bytes = exit.peak_memory_bytes;
+  return run;
 }
 
 }  // namespace surfaced

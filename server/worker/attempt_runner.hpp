@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "base/base.hpp"
 #include "worker/attempt_log.hpp"
 #include "worker/attempt_protocol.hpp"
+#include "worker/child_process.hpp"
 #include "worker/stop_signal.hpp"
 
 namespace surfaced {
@@ -33,14 +35,25 @@ class AttemptRunner {
   using ProgressSink = std::function<void(double progress, std::string_view phase)>;
 
   /// @param command  program and arguments that the attempt's description is appended to
-  explicit AttemptRunner(std::vector<std::string> command) : command_(std::move(command)) {}
+  /// @param namespaces  what attempts are started in; where that does not do they share the server's from then on
+  explicit AttemptRunner(std::vector<std::string> command,
+                         ChildProcess::Namespaces namespaces = ChildProcess::Namespaces::its_own)
+      : command_(std::move(command)), namespaces_(namespaces) {}
 
   /// Blocks until the child is gone: at most the limit of time and the grace.
   AttemptResult run(const AttemptSpec& spec, const StopSignal& stop, AttemptLog& log,
                     const ProgressSink& progress) const;
 
  private:
-  std::vector<std::string> command_;
+  struct Run {
+    AttemptResult result;
+    bool cannot_be_contained = false;
+  };
+  Result<Run> run_once(const std::vector<std::string>& command, const AttemptSpec& spec, const StopSignal& stop,
+                       AttemptLog& log, const ProgressSink& progress) const;
+
+  const std::vector<std::string> command_;
+  mutable std::atomic<ChildProcess::Namespaces> namespaces_;
 };
 
 }  // namespace surfaced

@@ -70,7 +70,7 @@ export class Client {
     const client = key ? this.as(key) : this;
     await client.until(() => client.call('GET', `/v1/jobs/${id}`), work);
     const [child] = this.server.children().filter((each) => readFileSync(`/proc/${each}/cmdline`, 'utf8').includes(id));
-    process.kill(child, 'SIGSTOP');
+    process.kill(-child, 'SIGSTOP');
   }
 
   async finished(id) {

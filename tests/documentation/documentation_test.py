@@ -45,6 +45,17 @@ class Documentation(unittest.TestCase):
                     broken.append(f"{page.relative_to(SOURCE)}: {target}, no such heading")
         self.assertEqual(broken, [])
 
+    def test_every_test_that_the_threat_model_names_exists(self):
+        tests = "\n".join(each.read_text() for each in FILES
+                          if each.is_relative_to(SOURCE / "tests") and each.suffix in (".cpp", ".mjs", ".hpp"))
+        missing = []
+        for page in ("threat-model.md", "known-vulnerabilities.md"):
+            rows = [line for line in (SOURCE / "docs" / page).read_text().splitlines() if line.startswith("| ")]
+            named = [name for row in rows for name in re.findall(r"`([^`]+)`", row.rstrip("| ").rsplit("|", 1)[1])]
+            self.assertGreater(len(named), 10, page)
+            missing += [f"{page}: {name}" for name in named if not re.search(rf"[ '`]{re.escape(name)}[)'`\\\\]", tests)]
+        self.assertEqual(missing, [])
+
     def test_every_page_can_be_reached_from_the_readme(self):
         seen, ahead = set(), [SOURCE / "README.md"]
         while ahead:

@@ -95,6 +95,41 @@ TEST(DiskAndClockTest, a_full_disk_is_answered_507_before_anything_breaks_and_al
   EXPECT_EQ(call(server.port(), "POST", "/v1/reconstruct?method=advancing-front", small).status, 200);
 }
 
+std::string begin_upload(std::uint16_t port, std::size_t bytes) {
+  const Answer begun =
+      call(port, "POST", "/v1/uploads", "", {{"Tus-Resumable", "1.0.0"}, {"Upload-Length", std::to_string(bytes)}});
+  EXPECT_EQ(begun.status, 201) << begun.body;
+  return begun.headers.at("location");
+}
+
+/// Sends a part of an upload in chunks of 1 MiB, which do not say how many come; the status of the answer.
+int send_in_chunks(std::uint16_t port, const std::string& upload, int chunks) {
+  testing::RawConnection connection(port);
+  connection.send("PATCH " + upload +
+                  " HTTP/1.1\r\nHost: h\r\nTus-Resumable: 1.0.0\r\nUpload-Offset: 0\r\nContent-Type: "
+                  "application/offset+octet-stream\r\nTransfer-Encoding: chunked\r\n\r\n");
+  const std::string chunk = "100000\r\n" + std::string(1 << 20, 'x') + "\r\n";
+  for (int i = 0; i < chunks && connection.send(chunk); ++i) {
+  }
+  connection.send("0\r\n\r\n");
+  return connection.read_answer().status;
+}
+
+TEST(DiskAndClockTest, uploads_that_do_not_say_how_much_comes_leave_free_what_is_to_stay_free) {
+  const testing::TemporaryDirectory directory;
+  const SmallDisk disk(directory.path() / "disk", "24m");
+  if (!disk.mounted()) GTEST_SKIP() << "mounting a file system is not allowed here";
+  const testing::ServerProcess server(directory.path() / "disk/data", {"--minimum-free", "8MiB"});
+  // Each could be stored alone.
+  const std::string first = begin_upload(server.port(), std::size_t{12} << 20);
+  const std::string second = begin_upload(server.port(), std::size_t{12} << 20);
+  EXPECT_EQ(send_in_chunks(server.port(), first, 9), 204);
+  EXPECT_EQ(send_in_chunks(server.port(), second, 9), 507);
+  EXPECT_GE(std::filesystem::space(directory.path() / "disk").available, std::size_t{8} << 20);
+  const Answer kept = call(server.port(), "HEAD", second, "", {{"Tus-Resumable", "1.0.0"}});
+  EXPECT_GT(std::stoull(kept.headers.at("upload-offset")), std::size_t{1} << 20) << "what there was space for counts";
+}
+
 TEST(DiskAndClockTest, jobs_that_run_while_the_disk_is_full_wait_for_space_instead_of_using_up_their_attempts) {
   const testing::TemporaryDirectory directory;
   const SmallDisk disk(directory.path() / "disk", "24m");
@@ -165,7 +200,7 @@ TEST(DiskAndClockTest, a_clock_that_jumps_by_hours_either_way_ends_no_job_and_lo
     std::this_thread::sleep_for(std::chrono::milliseconds(3200));
   }
   EXPECT_GT(others[0].at("created_at"), others[1].at("created_at")) << "the clock did jump";
-  for (const pid_t child : server.process().children()) ::kill(child, SIGCONT);
+  for (const pid_t child : server.process().children()) ::kill(-child, SIGCONT);
   others.push_back(testing::job_of(server.port(), running));
   for (const Json& each : others) {
     const Json job = testing::wait_for_end(server.port(), each.at("id"));

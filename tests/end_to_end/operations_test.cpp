@@ -123,7 +123,7 @@ TEST_F(OperationsTest, a_server_that_is_told_to_stop_is_unready_at_once_and_answ
   const Answer refused = call(server.port(), "POST", "/v1/jobs?method=advancing-front", cloud_);
   EXPECT_EQ(refused.status, 503);
   EXPECT_THAT(refused.body, HasSubstr("the server is stopping"));
-  for (const pid_t child : server.children()) ::kill(child, SIGCONT);
+  for (const pid_t child : server.children()) ::kill(-child, SIGCONT);
   // A long poll is answered with the result, or at the latest when the server ends.
   EXPECT_EQ(testing::job_of(server.port(), running, "?wait=60").at("status"), "successful");
   EXPECT_EQ(server.end(SIGTERM), 0);

@@ -31,16 +31,18 @@ class AttemptRunnerTest : public ::testing::Test {
     spec.mesh = "mesh.glb";
     spec.limits = limits_;
     spec.parent = ::getpid();
+    spec.guarded = guarded_;
     return spec;
   }
-  AttemptResult run(const std::string& behaviour) {
+  AttemptResult run(const std::string& behaviour) { return run(behaviour, runner_); }
+  AttemptResult run(const std::string& behaviour, const AttemptRunner& runner) {
     std::filesystem::remove_all(directory_.path() / "a");
     std::filesystem::create_directory(directory_.path() / "a");
     std::ofstream(directory_.path() / "cloud") << "cloud";
     auto log = AttemptLog::create(directory_.path() / "a/log.txt").value();
     const AttemptSpec spec = spec_for(behaviour);
     const auto began = Clock::now();
-    AttemptResult result = runner_.run(spec, *stop_, log, [&](double fraction, std::string_view phase) {
+    AttemptResult result = runner.run(spec, *stop_, log, [&](double fraction, std::string_view phase) {
       progress_ = fraction;
       phase_ = phase;
       if (!stop_on_progress_) return;
@@ -71,6 +73,7 @@ class AttemptRunnerTest : public ::testing::Test {
   AttemptRunner runner_{{SURFACED_STAND_IN}};
   std::optional<StopSignal> stop_{std::in_place};
   bool stop_on_progress_ = false;
+  bool guarded_ = false;
   double progress_ = 0;
   std::string phase_;
   Clock::time_point stopped_;
@@ -157,6 +160,15 @@ TEST_F(AttemptRunnerTest, a_child_sees_no_file_but_its_own) {
   EXPECT_EQ(run("try write a file").outcome, Outcome::done);
 }
 
+TEST_F(AttemptRunnerTest, root_works_in_folders_that_only_root_reaches) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root has power over the folders of others";
+  constexpr uid_t kNobody = 65534;
+  ASSERT_EQ(::chown(directory_.path().c_str(), kNobody, kNobody), 0);
+  std::filesystem::permissions(directory_.path(), std::filesystem::perms::owner_all);
+  EXPECT_EQ(run("done").outcome, Outcome::done) << log_text();
+  EXPECT_THAT(log_text(), HasSubstr("no capability but CAP_DAC_OVERRIDE"));
+}
+
 TEST_F(AttemptRunnerTest, a_child_that_hangs_is_stopped_at_its_limit_of_time) {
   limits_.time = std::chrono::seconds(1);
   const AttemptResult result = run("hang");
@@ -179,6 +191,31 @@ TEST_F(AttemptRunnerTest, cancelling_kills_a_child_that_does_not_listen) {
   EXPECT_LT(seconds_to_cancel("hang deaf", 2), 2);
 }
 
+TEST_F(AttemptRunnerTest, a_child_that_ends_whoever_watches_it_ends_its_guard_and_is_counted) {
+  guarded_ = true;
+  const AttemptResult result = run("kill the watcher");
+  EXPECT_EQ(result.outcome, Outcome::crashed);
+  EXPECT_THAT(result.error->detail, HasSubstr("SIGKILL"));
+}
+
+TEST_F(AttemptRunnerTest, a_guard_tells_what_the_server_would_have_seen) {
+  guarded_ = true;
+  EXPECT_EQ(run("done").outcome, Outcome::done) << log_text();
+  EXPECT_EQ(progress_, 0.5);
+  EXPECT_THAT(log_text(), HasSubstr("seccomp"));
+  EXPECT_EQ(run("refuse").error->code, ErrorCode::collinear);
+  EXPECT_EQ(run("exit 7").outcome, Outcome::crashed);
+  limits_.file_bytes = std::uint64_t{4} << 20;
+  EXPECT_EQ(run("write").outcome, Outcome::method_failed);
+  limits_.time = std::chrono::seconds(1);
+  EXPECT_EQ(run("hang").outcome, Outcome::timed_out);
+}
+
+TEST_F(AttemptRunnerTest, cancelling_ends_a_guarded_child_too_that_does_not_listen) {
+  guarded_ = true;
+  EXPECT_LT(seconds_to_cancel("hang deaf", 2), 2);
+}
+
 TEST_F(AttemptRunnerTest, what_a_child_left_running_is_killed_with_it) {
   EXPECT_EQ(run("leave a grandchild").outcome, Outcome::done);
   // The grandchild held the pipes open; that must not have made the server wait for its limit of time.
@@ -194,8 +231,8 @@ TEST_F(AttemptRunnerTest, garbage_on_the_pipe_is_dropped_and_the_log_is_capped) 
 }
 
 TEST_F(AttemptRunnerTest, a_command_that_cannot_be_started_loses_the_attempt_and_nothing_else) {
-  runner_ = AttemptRunner({"/nonexistent/surfaced"});
-  const AttemptResult result = run("done");
+  const AttemptRunner runner({"/nonexistent/surfaced"});
+  const AttemptResult result = run("done", runner);
   EXPECT_EQ(result.outcome, Outcome::lost);
   EXPECT_THAT(result.error->detail, HasSubstr("start a child process"));
 }

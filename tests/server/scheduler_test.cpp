@@ -39,7 +39,7 @@ class SchedulerTest : public ::testing::Test {
         id,  "m", {{"behave", behaviour}}, upload->commit(id).value(), {"mesh.glb", "report.json", "log.txt"},
         "r", "",  std::chrono::hours(1)};
     EXPECT_TRUE(jobs_->submit(job).ok());
-    scheduler_->wake();
+    if (scheduler_) scheduler_->wake();
     return id;
   }
   /// The job once it satisfies the condition.
@@ -87,6 +87,20 @@ TEST_F(SchedulerTest, a_job_that_always_crashes_fails_after_two_attempts_and_kee
   const auto log = artifacts_->open_output({job.id, job.attempt}, "log.txt").value();
   const std::size_t size = log->read(0, bytes).value();
   EXPECT_THAT(std::string(reinterpret_cast<const char*>(bytes.data()), size), HasSubstr("outcome crashed"));
+}
+
+TEST_F(SchedulerTest, a_job_under_which_a_server_has_died_is_parked_by_its_second_attempt_to_end_another) {
+  scheduler_.reset();
+  const std::string id = submit("kill the watcher");
+  // The server before died under its first attempt.
+  ASSERT_TRUE(jobs_->claim().value().has_value());
+  ASSERT_EQ(jobs_->recover().value(), 1U);
+  start();
+  const Job job = wait_for_end(id);
+  EXPECT_EQ(job.status, JobStatus::failed);
+  EXPECT_TRUE(job.parked);
+  EXPECT_EQ(job.error->code, ErrorCode::crashed);
+  EXPECT_EQ(job.attempt, 3U);
 }
 
 TEST_F(SchedulerTest, outputs_that_are_missing_or_links_never_become_results) {

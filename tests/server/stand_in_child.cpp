@@ -18,9 +18,11 @@
 #include <thread>
 #include <vector>
 
+#include "hostile_calls.hpp"
 #include "platform/files.hpp"
 #include "worker/attempt_protocol.hpp"
 #include "worker/confinement.hpp"
+#include "worker/guard_main.hpp"
 
 namespace {
 
@@ -62,6 +64,7 @@ void break_out(const std::string& how, const AttemptSpec& spec) {
     std::ofstream(spec.directory / "report.json") << "{}";
   }
   if (how == "leave a grandchild" && ::fork() == 0) sleep_for_ever();
+  if (how == "kill the watcher") ::kill(spec.parent, SIGKILL);
 }
 
 int shout(const AttemptSpec& spec) {
@@ -88,6 +91,73 @@ int write_without_end(const AttemptSpec& spec) {
   while (file << block) {
   }
   return 7;
+}
+
+int make_files_without_end(const AttemptSpec& spec) {
+  for (int i = 0;; ++i) std::ofstream(spec.directory / ("file" + std::to_string(i))) << i;
+}
+
+/// Each is small enough, both are not.
+int make_two_large_files(const AttemptSpec& spec) {
+  const std::string block(std::size_t{12} << 20, 'x');
+  for (const char* name : {"one", "two"}) std::ofstream(spec.directory / name) << block;
+  sleep_for_ever();
+}
+
+/// Each takes its place on the disk although nobody can see it.
+int hide_files_without_end(const AttemptSpec& spec) {
+  const std::string block(std::size_t{1} << 20, 'x');
+  std::vector<int> kept;
+  for (;;) {
+    const std::string name = spec.directory / "hidden";
+    const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    if (!write_all(file, as_bytes(block), "hide")) return 7;
+    std::filesystem::remove(name);
+    if (kept.size() < 40) {
+      kept.push_back(file);
+    } else {
+      ::close(file);
+    }
+  }
+}
+
+int start_threads_without_end() {
+  pthread_attr_t small;
+  pthread_attr_init(&small);
+  pthread_attr_setstacksize(&small, std::size_t{1} << 15);
+  const auto idle = [](void*) -> void* { sleep_for_ever(); };
+  pthread_t thread{};
+  int count = 0;
+  while (pthread_create(&thread, &small, idle, nullptr) == 0) ++count;
+  send(encode(Error{ErrorCode::method_failed, std::to_string(count)}));
+  return exit_code_of(ErrorCode::method_failed);
+}
+
+int speak_without_end() {
+  const std::string line(std::size_t{1} << 16, 'x');
+  for (;;) std::cerr << line;
+}
+
+/// Ends well if everything is refused, with what was not otherwise.
+int reach_out(const AttemptSpec& spec) {
+  const std::string taken = testing::reach_out(spec);
+  if (taken.empty()) return succeed(spec);
+  send(encode(Error{ErrorCode::method_failed, taken}));
+  return exit_code_of(ErrorCode::method_failed);
+}
+
+int hostile(const std::string& how, const AttemptSpec& spec) {
+  if (how == "files") return make_files_without_end(spec);
+  if (how == "bytes") return make_two_large_files(spec);
+  if (how == "hidden files") return hide_files_without_end(spec);
+  if (how == "threads") return start_threads_without_end();
+  if (how == "words") return speak_without_end();
+  if (how == "reach out") return reach_out(spec);
+  if (how == "look around") return testing::sees_other_files() ? 7 : succeed(spec);
+  if (how.starts_with("call ")) testing::call_by_name(how.substr(5));
+  if (how == "x32") ::syscall(0x40000000L + 39);
+  if (how.starts_with("seed ")) testing::call_anything(spec, std::stoull(how.substr(5)));
+  return 6;
 }
 
 /// Ends well if the confinement forbids it, with what came back otherwise.
@@ -130,6 +200,7 @@ int behave(const std::string& how, const AttemptSpec& spec) {
   if (how == "shout") return shout(spec);
   if (how == "litter") return 0;
   if (how == "leave a grandchild") return succeed(spec);
+  if (how.starts_with("hostile ")) return hostile(how.substr(8), spec);
   if (how.starts_with("try ")) return forbidden(how.substr(4), spec);
   if (how == "spin") {
     for (volatile bool go = true; go;) {
@@ -142,7 +213,11 @@ int behave(const std::string& how, const AttemptSpec& spec) {
 
 }  // namespace
 
-int main(int /*argc*/, char** argv) {
+int main(int argc, char** argv) {
+  if (argc == 3 && std::string(argv[1]) == kGuardCommand) {
+    // In a PID namespace nobody could do to it what the tests want done.
+    return guard_main({argv[0]}, argv[2], ChildProcess::Namespaces::shared);
+  }
   const auto spec = decode_attempt(argv[1]);
   if (!spec) return 8;
   const std::string how = spec->parameters.value("behave", "done");

@@ -69,7 +69,7 @@ class ServerProcess {
     return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
   }
 
-  /// Children of the server that are alive.
+  /// Children of the server that are alive, leaders of process groups: the work may be done by a child of theirs.
   std::vector<pid_t> children() const {
     std::vector<pid_t> found;
     for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(pid_) + "/task")) {

@@ -78,8 +78,8 @@ inline nlohmann::json wait_for_method(std::uint16_t port, const std::string& id)
   return now;
 }
 
-/// Submits a job that goes on for as long as a test needs it: its process is stopped in the middle of the method, where
-/// it takes no time from others. Lives until the job is dismissed, the server ends, or SIGCONT.
+/// Submits a job that goes on for as long as a test needs it: its processes are stopped in the middle of the method,
+/// where it takes no time from others. Lives until the job is dismissed, the server ends, or SIGCONT.
 inline std::string start_endless_job(const ServerProcess& server, const std::vector<Point3>& points,
                                      const Fields& fields = {}) {
   for (int i = 0; i < 10; ++i) {
@@ -87,7 +87,7 @@ inline std::string start_endless_job(const ServerProcess& server, const std::vec
     if (made.status != 201) throw std::runtime_error(made.body);
     const std::string id = nlohmann::json::parse(made.body).at("id");
     wait_for_method(server.port(), id);
-    for (const pid_t child : server.children()) ::kill(child, SIGSTOP);
+    for (const pid_t child : server.children()) ::kill(-child, SIGSTOP);
     if (is_active(job_of(server.port(), id)) && !server.children().empty()) return id;
     // It was faster than this process, which had to wait for a processor.
     call(server.port(), "DELETE", "/v1/jobs/" + id);
