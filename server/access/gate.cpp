@@ -100,8 +100,8 @@ std::optional<Response> Gate::check_key(Request& request, std::string_view route
     response.headers.add("WWW-Authenticate", "Bearer realm=\"surfaced\"");
     return response;
   }
-  request.caller = {key->id, key->scopes.admin};
   const Quota& quota = key->quota;
+  request.caller = {key->id, key->scopes.admin, quota.active_jobs, quota.stored_bytes};
   auto slower = check_pace(request, route, key->id, quota.requests_per_minute, quota.submissions_per_minute);
   if (slower) return slower;
   if (const auto error = check_scope(request, *key, route)) return http::problem_response(*error, request);
@@ -153,22 +153,12 @@ std::optional<Error> Gate::check_owner(const Request& request, std::string_view 
 }
 
 std::optional<Error> Gate::check_quota(const Request& request, const Key& key, std::string_view route) {
-  const Quota& quota = key.quota;
-  if ((quota.active_jobs == 0 && quota.stored_bytes == 0) || !takes_space(request, route)) return std::nullopt;
+  const Allowance allowance{key.quota.active_jobs, key.quota.stored_bytes};
+  if ((allowance.active_jobs == 0 && allowance.bytes == 0) || !takes_space(request, route)) return std::nullopt;
   const auto holding = jobs_.holding_of(key.id);
   if (!holding) return holding.error();
-  if (queues_job(route) && quota.active_jobs != 0 && holding->active_jobs >= quota.active_jobs) {
-    return Error{ErrorCode::quota_exceeded, std::to_string(holding->active_jobs) +
-                                                " jobs of the key wait or run, the limit is " +
-                                                std::to_string(quota.active_jobs)};
-  }
-  if (quota.stored_bytes == 0) return std::nullopt;
-  const std::uint64_t asked = request.body->length().value_or(0);
-  const std::uint64_t bytes = holding->bytes + uploads_.promised_to(key.id);
-  if (bytes + asked <= quota.stored_bytes) return std::nullopt;
-  return Error{ErrorCode::quota_exceeded, "the key holds " + std::to_string(bytes) + " bytes and sends " +
-                                              std::to_string(asked) + ", the limit is " +
-                                              std::to_string(quota.stored_bytes)};
+  const Status may = allowance.check(*holding, queues_job(route) ? 1 : 0, request.body->length().value_or(0));
+  return may ? std::nullopt : std::optional(may.error());
 }
 
 bool Gate::is_allowed(std::string_view origin) const {

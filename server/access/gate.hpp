@@ -15,7 +15,6 @@
 #include "http/router.hpp"
 #include "jobs/job_store.hpp"
 #include "platform/network.hpp"
-#include "uploads/upload_store.hpp"
 
 namespace surfaced {
 
@@ -39,8 +38,7 @@ struct GateRules {
 /// scopes, his quota and his own jobs, and speaks CORS. Handlers need not think of any of it.
 class Gate final : public http::Gate {
  public:
-  Gate(GateRules rules, JobStore& jobs, UploadStore& uploads)
-      : rules_(std::move(rules)), jobs_(jobs), uploads_(uploads) {}
+  Gate(GateRules rules, JobStore& jobs) : rules_(std::move(rules)), jobs_(jobs) {}
 
   /// Reads the keys for the first time; invalid_usage.
   Status open();
@@ -60,13 +58,13 @@ class Gate final : public http::Gate {
   std::optional<http::Response> count(const http::Request& request, const std::string& client, const char* what,
                                       std::uint64_t per_minute);
   std::optional<Error> check_scope(const http::Request& request, const Key& key, std::string_view route) const;
+  /// A first look, before a byte of the body is read. What counts is decided when the job, cloud or upload is stored.
   std::optional<Error> check_quota(const http::Request& request, const Key& key, std::string_view route);
   std::optional<Error> check_owner(const http::Request& request, std::string_view route);
   bool is_allowed(std::string_view origin) const;
 
   const GateRules rules_;
   JobStore& jobs_;
-  UploadStore& uploads_;
   Pace pace_;
   std::mutex mutex_;
   std::shared_ptr<const KeyRing> ring_;

@@ -46,7 +46,7 @@ Response store_cloud(Request& request, JobService& service, CloudService& clouds
   }
   const auto upload = receive_raw(request, service);
   if (!upload) return problem_response(upload.error(), request);
-  const auto added = clouds.add(**upload, request.caller.id);
+  const auto added = clouds.add(**upload, request.caller.id, allowance_of(request.caller));
   if (!added) return problem_response(added.error(), request);
   Response response = http::json_response(added->created ? 201 : 200, cloud_json(added->cloud, kept));
   response.headers.add("Location", cloud_path(added->cloud.id));

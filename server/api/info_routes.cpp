@@ -92,14 +92,14 @@ void add_info_routes(http::Router& router, JobService& service, const RouteOptio
   });
 }
 
-void add_routes(http::Router& router, JobService& service, CloudService& clouds, UploadStore& uploads,
+void add_routes(http::Router& router, JobService& service, CloudService& clouds, UploadFinishing& uploads,
                 const RouteOptions& options) {
   add_submit_routes(router, service, options);
   add_job_routes(router, service, options);
   add_event_routes(router, service, options);
   add_ogc_routes(router, service, options);
   add_cloud_routes(router, service, clouds, options.cloud_time);
-  add_upload_routes(router, service, clouds, uploads, options.body_bytes);
+  add_upload_routes(router, service, uploads, options.body_bytes);
   add_output_routes(router, service, options);
   add_info_routes(router, service, options);
 }

@@ -35,7 +35,7 @@ Status check_present(const Request& request) {
 /// The fields and the file of a form, as they come.
 class Form {
  public:
-  explicit Form(JobService& service) : service_(service) {}
+  Form(JobService& service, const http::Caller& caller) : service_(service), caller_(caller) {}
 
   Status begin(const http::Part& part) {
     if (!part.is_file && part.name != "cloud") {
@@ -52,7 +52,7 @@ class Form {
       return with_fault({ErrorCode::conflicting_input, "the form has the part 'cloud' twice"},
                         {"cloud", "a second file", "one file"});
     }
-    auto upload = service_.begin_upload();
+    auto upload = service_.begin_upload(caller_);
     if (!upload) return upload.error();
     cloud_ = std::move(*upload);
     in_cloud_ = true;
@@ -100,6 +100,7 @@ class Form {
 
  private:
   JobService& service_;
+  const http::Caller& caller_;
   http::Query fields_;
   std::unique_ptr<Upload> cloud_;
   bool in_cloud_ = false;
@@ -109,7 +110,7 @@ Result<Intake> take_in_form(Request& request, Door door, const SubmissionRules& 
   const auto boundary = http::multipart_boundary(request.headers.find("Content-Type").value_or(""));
   if (!boundary) return boundary.error();
   if (Status there = check_present(request); !there.ok()) return there.error();
-  Form form(service);
+  Form form(service, request.caller);
   http::MultipartReader reader(
       *boundary, {[&](const http::Part& part) { return form.begin(part); },
                   [&](std::span<const std::byte> bytes) { return form.data(bytes); }, [] { return Status(Done{}); }});
@@ -166,7 +167,7 @@ Result<Json> receive_json(Request& request, std::size_t most_bytes) {
 Result<std::unique_ptr<Upload>> receive_raw(Request& request, JobService& service) {
   if (Status plain = check_encoding(request); !plain.ok()) return plain.error();
   if (Status there = check_present(request); !there.ok()) return there.error();
-  auto upload = service.begin_upload(request.body->length().value_or(0));
+  auto upload = service.begin_upload(request.caller, request.body->length().value_or(0));
   if (!upload) return upload;
   const Status read = request.body->read([&](std::span<const std::byte> bytes) { return (*upload)->write(bytes); });
   if (!read) return read.error();

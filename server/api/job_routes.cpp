@@ -63,7 +63,7 @@ Response delete_job(const Request& request, JobService& service) {
 }
 
 Response retry_job(const Request& request, JobService& service) {
-  const auto job = service.retry(request.path_parts.at("id"));
+  const auto job = service.retry(request.path_parts.at("id"), request.caller);
   if (!job) return problem_response(job.error(), request);
   Response response = http::json_response(202, job_json(*job));
   response.headers.add("Location", job_path(job->id));

@@ -50,12 +50,15 @@ JobService::JobService(JobStore& jobs, ArtifactStore& artifacts, CloudService& c
       clouds_(clouds),
       renditions_(renditions),
       events_(events),
-      scheduler_(scheduler) {}
+      scheduler_(scheduler),
+      incoming_(jobs) {}
 
-Result<std::unique_ptr<Upload>> JobService::begin_upload(std::uint64_t needed) {
+Result<std::unique_ptr<Upload>> JobService::begin_upload(const http::Caller& caller, std::uint64_t needed) {
   if (draining_) return Error{ErrorCode::not_ready, "the server is stopping"};
   if (Status space = artifacts_.check_space(needed); !space.ok()) return space.error();
-  return artifacts_.begin_upload();
+  auto upload = artifacts_.begin_upload();
+  if (!upload) return upload;
+  return incoming_.count(std::move(*upload), caller, needed);
 }
 
 Result<JobService::Submitted> JobService::submit(const Submission& submission, std::unique_ptr<Upload> cloud,
@@ -83,12 +86,14 @@ Result<JobService::Submitted> JobService::submit(const Submission& submission, s
                    mark.idempotency_key,
                    fingerprint,
                    submission.presentation};
-  auto stored = jobs_.submit(job);
+  auto stored = jobs_.submit(job, allowance_of(mark.caller));
   if (stored) {
     scheduler_.wake();
     return Submitted{std::move(*stored), false};
   }
-  if (stored.error().code == ErrorCode::queue_full && cloud) artifacts_.remove({{job.input.key}, {}});
+  const ErrorCode why = stored.error().code;
+  const bool refused = why == ErrorCode::queue_full || why == ErrorCode::quota_exceeded;
+  if (refused && cloud) artifacts_.remove({{job.input.key}, {}});
   // After any other failure it is not known whether the store has the job: its input stays, and the
   // sweep at the next start decides.
   return stored.error();
@@ -140,8 +145,10 @@ Result<JobService::Removal> JobService::dismiss(std::string_view id) {
   return Removal{std::move(*after), false};
 }
 
-Result<Job> JobService::retry(std::string_view id) {
-  auto retried = jobs_.retry(id);
+Result<Job> JobService::retry(std::string_view id, const http::Caller& caller) {
+  const auto owner = jobs_.owner_of(id);
+  if (!owner) return owner.error();
+  auto retried = jobs_.retry(id, *owner == caller.id ? allowance_of(caller) : Allowance{});
   if (!retried) return retried.error();
   artifacts_.remove(retried->garbage);
   events_.changed(id);

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "api/incoming.hpp"
 #include "api/submission.hpp"
 #include "artifacts/artifact_store.hpp"
 #include "clouds/cloud_service.hpp"
@@ -64,9 +65,9 @@ class JobService {
   JobService(JobStore& jobs, ArtifactStore& artifacts, CloudService& clouds, Renditions& renditions, JobEvents& events,
              Scheduler& scheduler);
 
-  /// A place for a cloud on its way in; storage_full, not_ready.
+  /// A place for a cloud on its way in; storage_full, not_ready, quota_exceeded.
   /// @param needed  bytes that are known to come
-  Result<std::unique_ptr<Upload>> begin_upload(std::uint64_t needed = 0);
+  Result<std::unique_ptr<Upload>> begin_upload(const http::Caller& caller, std::uint64_t needed = 0);
 
   Status check_space(std::uint64_t needed) { return artifacts_.check_space(needed); }
 
@@ -80,7 +81,7 @@ class JobService {
   };
   /// Queues a job; durable when the call returns.
   /// @param cloud  what the request brought; none if the submission names a stored cloud
-  /// @return  queue_full, storage_full, cloud_not_found, idempotency_mismatch.
+  /// @return  queue_full, storage_full, quota_exceeded, cloud_not_found, idempotency_mismatch.
   Result<Submitted> submit(const Submission& submission, std::unique_ptr<Upload> cloud, const RequestMark& mark);
 
   Result<Job> find(std::string_view id) { return jobs_.find(id); }
@@ -107,8 +108,8 @@ class JobService {
   };
   Result<Removal> dismiss(std::string_view id);
 
-  /// Queues a failed or dismissed job again.
-  Result<Job> retry(std::string_view id);
+  /// Queues a failed or dismissed job again; quota_exceeded if it is the caller's, and he may have no more.
+  Result<Job> retry(std::string_view id, const http::Caller& caller);
 
   /// The output as a body to send; job_gone if it was removed meanwhile.
   Result<http::BodyStream> open_output(const Job& job, const Output& output);
@@ -134,6 +135,7 @@ class JobService {
   Renditions& renditions_;
   JobEvents& events_;
   Scheduler& scheduler_;
+  Incoming incoming_;
   std::atomic<bool> draining_ = false;
   KeysInFlight keys_;
 };

@@ -111,7 +111,7 @@ Result<JobService::Submitted> submit(const ogc::Execution& execution, const Requ
   submission->presentation = ogc::text_of(execution.presentation);
   std::unique_ptr<Upload> cloud;
   if (!execution.cloud.empty()) {
-    auto upload = service.begin_upload();
+    auto upload = service.begin_upload(mark.caller, execution.cloud.size());
     if (!upload) return std::move(upload).error();
     cloud = std::move(*upload);
     if (Status written = cloud->write(as_bytes(execution.cloud)); !written.ok()) return written.error();

@@ -10,7 +10,7 @@
 #include "api/submission.hpp"
 #include "http/places.hpp"
 #include "http/router.hpp"
-#include "uploads/upload_store.hpp"
+#include "uploads/finishing.hpp"
 #include "webhooks/delivery_store.hpp"
 
 namespace surfaced::api {
@@ -32,7 +32,7 @@ struct RouteOptions {
 };
 
 /// Every path of the service, as proto/openapi.yaml lists them.
-void add_routes(http::Router& router, JobService& service, CloudService& clouds, UploadStore& uploads,
+void add_routes(http::Router& router, JobService& service, CloudService& clouds, UploadFinishing& uploads,
                 const RouteOptions& options);
 
 void add_submit_routes(http::Router& router, JobService& service, const RouteOptions& options);
@@ -40,8 +40,7 @@ void add_ogc_routes(http::Router& router, JobService& service, const RouteOption
 void add_delivery_routes(http::Router& router, JobService& service, DeliveryStore& deliveries);
 void add_event_routes(http::Router& router, JobService& service, const RouteOptions& options);
 void add_job_routes(http::Router& router, JobService& service, const RouteOptions& options);
-void add_upload_routes(http::Router& router, JobService& service, CloudService& clouds, UploadStore& store,
-                       std::uint64_t most_bytes);
+void add_upload_routes(http::Router& router, JobService& service, UploadFinishing& finishing, std::uint64_t most_bytes);
 /// @param kept  how long a cloud is kept that nobody uses; zero for ever
 void add_cloud_routes(http::Router& router, JobService& service, CloudService& clouds, std::chrono::seconds kept);
 void add_output_routes(http::Router& router, JobService& service, const RouteOptions& options);

@@ -4,6 +4,7 @@
 #include "api/upload_headers.hpp"
 #include "http/problem.hpp"
 #include "platform/digest.hpp"
+#include "platform/network.hpp"
 #include "platform/space.hpp"
 
 namespace surfaced::api {
@@ -24,8 +25,8 @@ std::string upload_path(const std::string& id) { return "/v1/uploads/" + id; }
 /// The doors of tus 1.0 (https://tus.io/protocols/resumable-upload): thin functions around UploadStore.
 class Uploads {
  public:
-  Uploads(JobService& service, CloudService& clouds, UploadStore& store, std::uint64_t most_bytes)
-      : service_(service), clouds_(clouds), store_(store), most_bytes_(most_bytes) {}
+  Uploads(JobService& service, UploadFinishing& finishing, std::uint64_t most_bytes)
+      : service_(service), finishing_(finishing), store_(finishing.store()), most_bytes_(most_bytes) {}
 
   Response options(const Request& /*request*/) const {
     Response response = empty(204);
@@ -133,7 +134,11 @@ class Uploads {
     const auto metadata = metadata_header(request.headers);
     if (!metadata) return metadata.error();
     if (Status space = service_.check_space(*length); !space.ok()) return space.error();
-    return store_.create(request.caller.id, *length, *metadata);
+    const http::Caller& caller = request.caller;
+    const std::string& address = request.remote_address;
+    // On loopback there is a proxy, or nobody else.
+    const std::string client = caller.id.empty() && !is_loopback(address) ? client_group(address) : caller.id;
+    return store_.create({caller.id, client, allowance_of(caller)}, *length, *metadata);
   }
 
   /// The upload, if it is the caller's; another's does not exist for him.
@@ -164,7 +169,7 @@ class Uploads {
     if (Status space = service_.check_space(request.body->length().value_or(0)); !space.ok()) return space.error();
     auto upload = receive(request, *session, *checksum);
     if (!upload || !upload->whole()) return upload;
-    return complete(*session);
+    return finishing_.finish(*session);
   }
 
   Result<PartialUpload> receive(Request& request, UploadStore::Session& session,
@@ -197,30 +202,17 @@ class Uploads {
     return kept;
   }
 
-  /// Makes a stored cloud of an upload that is whole.
-  Result<PartialUpload> complete(UploadStore::Session& session) {
-    if (!session.upload().cloud.empty()) return session.upload();
-    auto place = service_.begin_upload();
-    if (!place) return place.error();
-    const Status copied = session.read([&](std::span<const std::byte> bytes) { return (*place)->write(bytes); });
-    if (!copied) return copied.error();
-    const auto added = clouds_.add(**place, session.upload().owner);
-    if (!added) return added.error();
-    if (Status noted = session.became(added->cloud.id); !noted.ok()) return noted.error();
-    return session.upload();
-  }
-
   JobService& service_;
-  CloudService& clouds_;
+  UploadFinishing& finishing_;
   UploadStore& store_;
   const std::uint64_t most_bytes_;
 };
 
 }  // namespace
 
-void add_upload_routes(http::Router& router, JobService& service, CloudService& clouds, UploadStore& store,
+void add_upload_routes(http::Router& router, JobService& service, UploadFinishing& finishing,
                        std::uint64_t most_bytes) {
-  const auto uploads = std::make_shared<Uploads>(service, clouds, store, most_bytes);
+  const auto uploads = std::make_shared<Uploads>(service, finishing, most_bytes);
   constexpr const char* kAll = "/v1/uploads";
   constexpr const char* kOne = "/v1/uploads/{id}";
   for (const char* const path : {kAll, kOne}) {

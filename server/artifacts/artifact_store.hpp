@@ -61,6 +61,9 @@ class ArtifactStore {
   /// The cloud as a local file, for a child to read.
   virtual Result<std::filesystem::path> input_file(std::string_view key) = 0;
 
+  /// True if the cloud is there with all its bytes.
+  virtual bool has_input(std::string_view key, std::uint64_t bytes) = 0;
+
   /// An empty local directory for an attempt to write into.
   virtual Result<std::filesystem::path> begin_attempt(const Claim& claim) = 0;
 
@@ -79,11 +82,12 @@ class ArtifactStore {
   /// log.txt of an attempt, published or still being written.
   virtual Result<std::unique_ptr<OutputReader>> open_log(const Claim& claim) = 0;
 
-  /// Drops inputs and outputs that no job refers to any more. What cannot be dropped now is left to `sweep`.
+  /// Drops inputs and outputs that no job refers to any more. What cannot be dropped now, because a backup is being
+  /// made say, is left to sweeps.
   virtual void remove(const Artifacts& garbage) = 0;
 
-  /// Removes everything that the job store does not refer to. To be called at start, before uploads
-  /// and attempts begin. Returns how many files and directories it removed.
+  /// Removes everything that the job store does not refer to; during a backup only what was on its way. To be called
+  /// at start, before uploads and attempts begin. Returns how many files and directories it removed.
   virtual Result<std::size_t> sweep(const Artifacts& kept) = 0;
 
   /// What is there now: keys of inputs and claims of published outputs, for a sweep while the store is in use.

@@ -12,6 +12,7 @@
 #include <set>
 #include <system_error>
 
+#include "artifacts/backup_lease.hpp"
 #include "platform/files.hpp"
 #include "platform/random.hpp"
 #include "platform/sha256.hpp"
@@ -110,7 +111,8 @@ Result<std::optional<Output>> seal(const fs::path& path, std::uint32_t attempt) 
 class FileArtifactStore final : public ArtifactStore {
  public:
   FileArtifactStore(const fs::path& directory, std::uint64_t minimum_free)
-      : identity_(directory / "store"),
+      : directory_(directory),
+        identity_(directory / "store"),
         uploads_(directory / "uploads"),
         inputs_(directory / "inputs"),
         attempts_(directory / "attempts"),
@@ -134,6 +136,13 @@ class FileArtifactStore final : public ArtifactStore {
 
   Result<fs::path> input_file(std::string_view key) override { return inputs_ / key; }
 
+  bool has_input(std::string_view key, std::uint64_t bytes) override {
+    const auto fd = open_regular(inputs_ / key);
+    if (!fd) return false;
+    const auto size = file_size(fd->get());
+    return size && *size == bytes;
+  }
+
   Result<fs::path> begin_attempt(const Claim& claim) override {
     fs::path directory = attempts_ / directory_of(claim);
     if (::mkdir(directory.c_str(), 0700) != 0) return system_error("make the directory of an attempt", errno);
@@ -153,6 +162,8 @@ class FileArtifactStore final : public ArtifactStore {
     }
     if (Status cleaned = remove_others(directory, kept); !cleaned.ok()) return cleaned.error();
     if (Status synced = sync_directory(directory); !synced.ok()) return synced.error();
+    // A claim publishes once: what is there was left by a server that died before a record knew it.
+    remove_tree(outputs_ / directory_of(claim));
     if (::rename(directory.c_str(), (outputs_ / directory_of(claim)).c_str()) != 0) {
       return system_error("publish the outputs", errno);
     }
@@ -188,6 +199,8 @@ class FileArtifactStore final : public ArtifactStore {
   }
 
   void remove(const Artifacts& garbage) override {
+    const auto lease = BackupLease::to_remove(directory_);
+    if (!lease) return;
     for (const auto& key : garbage.inputs) remove_tree(inputs_ / key);
     for (const auto& claim : garbage.outputs) remove_tree(outputs_ / directory_of(claim));
   }
@@ -211,6 +224,8 @@ class FileArtifactStore final : public ArtifactStore {
     for (const fs::path& scratch : {uploads_, attempts_}) {
       if (Status swept = sweep_one(scratch, {}); !swept.ok()) return swept.error();
     }
+    const auto lease = BackupLease::to_remove(directory_);
+    if (!lease) return removed;
     if (Status swept = sweep_one(inputs_, inputs); !swept.ok()) return swept.error();
     if (Status swept = sweep_one(outputs_, outputs); !swept.ok()) return swept.error();
     return removed;
@@ -285,6 +300,7 @@ class FileArtifactStore final : public ArtifactStore {
     return claim;
   }
 
+  const fs::path directory_;
   const fs::path identity_;
   const fs::path uploads_;
   const fs::path inputs_;

@@ -19,7 +19,8 @@ class CloudService {
   CloudService(CloudStore& clouds, ArtifactStore& artifacts, CloudInspector& inspector)
       : clouds_(clouds), artifacts_(artifacts), inspector_(inspector) {}
 
-  Result<CloudStore::Added> add(Upload& upload, std::string_view owner);
+  /// @param allowance  of the owner; quota_exceeded
+  Result<CloudStore::Added> add(Upload& upload, std::string_view owner, const Allowance& allowance = {});
 
   Result<Cloud> find(std::string_view id, std::optional<std::string_view> owner) { return clouds_.find(id, owner); }
 

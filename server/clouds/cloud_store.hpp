@@ -13,6 +13,7 @@
 
 #include "base/base.hpp"
 #include "jobs/job.hpp"
+#include "jobs/job_store.hpp"
 
 namespace surfaced {
 
@@ -54,7 +55,9 @@ class CloudStore {
     /// False if the owner had sent it before.
     bool created = false;
   };
-  virtual Result<Added> add(const StoredInput& input, std::string_view owner) = 0;
+  /// @param allowance  of the owner; quota_exceeded if he may not have it. What he had before he has still.
+  virtual Result<Added> add(const StoredInput& input, std::string_view owner, const Allowance& allowance) = 0;
+  Result<Added> add(const StoredInput& input, std::string_view owner) { return add(input, owner, {}); }
 
   /// @param owner  none for any; else cloud_not_found unless the cloud is his
   virtual Result<Cloud> find(std::string_view id, std::optional<std::string_view> owner) = 0;

@@ -4,6 +4,7 @@
 #include "clouds/cloud_store.hpp"
 #include "jobs/sqlite/database.hpp"
 #include "jobs/sqlite/errors.hpp"
+#include "jobs/sqlite/holding_rows.hpp"
 
 namespace surfaced {
 namespace {
@@ -68,10 +69,14 @@ class SqliteCloudStore final : public CloudStore {
  public:
   explicit SqliteCloudStore(const std::filesystem::path& file) : database_(file, kPatience) {}
 
-  Result<Added> add(const StoredInput& input, std::string_view owner) override {
+  Result<Added> add(const StoredInput& input, std::string_view owner, const Allowance& allowance) override {
     return locked([&]() -> Result<Added> {
       const std::string created = to_rfc3339(now());
       Transaction transaction(database_, Transaction::Kind::write);
+      const bool had = holds(database_, input.sha256, owner);
+      if (Status may = admit(database_, owner, allowance, {0, had ? 0 : input.bytes}); !had && !may.ok()) {
+        return may.error();
+      }
       Query(database_,
             "INSERT INTO clouds (id, bytes, status, created_at, used_at) VALUES (?1, ?2, 'inspecting', ?3, ?3) "
             "ON CONFLICT (id) DO UPDATE SET used_at = excluded.used_at")
@@ -79,7 +84,6 @@ class SqliteCloudStore final : public CloudStore {
           .bind(static_cast<std::int64_t>(input.bytes))
           .bind(created)
           .run();
-      const bool had = holds(database_, input.sha256, owner);
       if (!had) {
         Query(database_, "INSERT INTO cloud_holders (cloud, owner) VALUES (?, ?)").bind(input.sha256).bind(owner).run();
       }

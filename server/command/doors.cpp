@@ -64,7 +64,8 @@ Result<std::unique_ptr<Doors>> Doors::open(const Ground& ground, const Settings&
   const auto database = settings.data / "jobs.sqlite";
   auto clouds = open_sqlite_cloud_store(database);
   if (!clouds) return std::move(clouds).error();
-  auto uploads = UploadStore::open(settings.data / "partial", std::chrono::seconds(settings.upload_time));
+  auto uploads = UploadStore::open(
+      settings.data, {std::chrono::seconds(settings.upload_time), settings.uploads, settings.uploads_per_client});
   if (!uploads) return std::move(uploads).error();
   auto deliveries = open_sqlite_delivery_store(database);
   if (!deliveries) return std::move(deliveries).error();
@@ -90,11 +91,12 @@ Doors::Doors(const Ground& ground, const Settings& settings, std::unique_ptr<Clo
       converting_(ground.artifacts, {kThisProgram, kConvertCommand}, ground.limits),
       inspector_(*cloud_store_, ground.artifacts, inspecting_),
       clouds_(*cloud_store_, ground.artifacts, inspector_),
+      finishing_(*uploads_, ground.artifacts, clouds_),
       renditions_(ground.jobs, ground.artifacts, converting_),
       service_(ground.jobs, ground.artifacts, clouds_, renditions_, ground.events, ground.scheduler),
       gate_({settings.keys, settings.rate_limit, settings.submission_rate_limit, proxies_in(settings),
              api::split_list(settings.cors_origins), browser_guard(settings)},
-            ground.jobs, *uploads_) {}
+            ground.jobs) {}
 
 void Doors::hang(http::Router& router, std::function<std::string()> metrics) {
   const api::SubmissionRules rules{std::chrono::seconds(settings_.ttl), webhooks_ != nullptr};
@@ -110,18 +112,21 @@ void Doors::hang(http::Router& router, std::function<std::string()> metrics) {
                                   waits,
                                   std::move(metrics)};
   router.guard(gate_);
-  api::add_routes(router, service_, clouds_, *uploads_, options);
+  api::add_routes(router, service_, clouds_, finishing_, options);
   api::add_delivery_routes(router, service_, *deliveries_);
 }
 
 void Doors::start() {
   inspector_.start();
+  uploads_->sweep();
+  finishing_.start();
   renditions_.start();
   if (webhooks_) webhooks_->start();
 }
 
 void Doors::sweep() {
-  uploads_->expire();
+  uploads_->sweep();
+  finishing_.wake();
   if (settings_.cloud_time == 0) return;
   const auto removed = clouds_.expire(std::chrono::seconds(settings_.cloud_time));
   if (!removed) log(LogLevel::error, "cannot remove clouds that nobody uses", {{"detail", removed.error().detail}});
@@ -130,6 +135,7 @@ void Doors::sweep() {
 
 void Doors::stop() {
   renditions_.stop();
+  finishing_.stop();
   inspector_.stop();
   if (webhooks_) webhooks_->stop();
 }

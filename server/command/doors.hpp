@@ -12,7 +12,7 @@
 #include "config/settings.hpp"
 #include "http/router.hpp"
 #include "jobs/renditions.hpp"
-#include "uploads/upload_store.hpp"
+#include "uploads/finishing.hpp"
 #include "webhooks/sender.hpp"
 #include "worker/side_task.hpp"
 
@@ -58,6 +58,7 @@ class Doors {
   SideTask converting_;
   CloudInspector inspector_;
   CloudService clouds_;
+  UploadFinishing finishing_;
   Renditions renditions_;
   api::JobService service_;
   Gate gate_;

@@ -16,6 +16,7 @@
 
 #include "artifacts/file_artifact_store.hpp"
 #include "artifacts/orphans.hpp"
+#include "backup/backup.hpp"
 #include "command/command.hpp"
 #include "command/doors.hpp"
 #include "command/problem.hpp"
@@ -118,6 +119,9 @@ Status recover(JobStore& jobs, ArtifactStore& artifacts) {
   if (Status ours = artifacts.belong_to(*identity); !ours.ok()) return ours;
   const auto recovered = jobs.recover();
   if (!recovered) return recovered.error();
+  const auto wrong = jobs.recount_holdings();
+  if (!wrong) return wrong.error();
+  if (*wrong > 0) log(LogLevel::error, "what keys hold was counted wrong, and is put right", {{"keys", *wrong}});
   const auto kept = jobs.kept();
   if (!kept) return kept.error();
   const auto swept = artifacts.sweep(*kept);
@@ -307,6 +311,7 @@ Status serve(const Settings& settings) {
   raise_file_limit();
   const auto lock = DataLock::acquire(settings.data);
   if (!lock) return lock.error();
+  if (Status ended = end_backup(settings.data); !ended.ok()) return ended;
   auto jobs = open_sqlite_job_store(settings.data / "jobs.sqlite", store_limits(settings));
   if (!jobs) return jobs.error();
   auto artifacts = open_file_artifact_store(settings.data, settings.minimum_free);

@@ -65,6 +65,8 @@ struct Settings {
   /// Separated by commas; * for all.
   std::string allowed_hosts;
   std::uint64_t upload_time = std::uint64_t{24} * 3600;
+  std::uint64_t uploads = 1000;
+  std::uint64_t uploads_per_client = 100;
   std::uint64_t cloud_time = std::uint64_t{30} * 24 * 3600;
   /// Empty: no webhooks.
   std::filesystem::path webhook_secret;

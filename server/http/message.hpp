@@ -66,6 +66,9 @@ struct Caller {
   std::string id;
   /// Sees what belongs to others.
   bool all = true;
+  /// Jobs that may wait or run, and bytes that may be stored, for the key; 0: no limit.
+  std::uint64_t most_active_jobs = 0;
+  std::uint64_t most_stored_bytes = 0;
 
   /// The owner whose things the caller may see; none for everybody's.
   std::optional<std::string> owner() const { return all ? std::nullopt : std::optional(id); }

@@ -71,8 +71,17 @@ struct Replay {
 struct Holding {
   /// Jobs that wait or run.
   std::uint64_t active_jobs = 0;
-  /// Bytes of inputs, stored clouds and outputs.
+  /// Bytes of inputs, stored clouds and outputs, and those that unfinished uploads have been promised.
   std::uint64_t bytes = 0;
+};
+
+/// What an owner may hold; 0 for no limit.
+struct Allowance {
+  std::uint64_t active_jobs = 0;
+  std::uint64_t bytes = 0;
+
+  /// quota_exceeded if so many jobs and bytes more are too many.
+  Status check(const Holding& holding, std::uint64_t jobs, std::uint64_t bytes) const;
 };
 
 /// How many jobs there are now.
@@ -105,8 +114,11 @@ class JobStore {
   virtual ~JobStore() = default;
 
   /// Queues a job, together with its idempotency key if it has one.
-  /// @return queue_full if the limit is reached; cloud_not_found if its input is a stored cloud that is gone.
-  virtual Result<Job> submit(const NewJob& job) = 0;
+  /// @param allowance  of its owner
+  /// @return queue_full if the limit is reached; quota_exceeded if the owner may not have it; cloud_not_found if its
+  ///         input is a stored cloud that is gone.
+  virtual Result<Job> submit(const NewJob& job, const Allowance& allowance) = 0;
+  Result<Job> submit(const NewJob& job) { return submit(job, {}); }
 
   /// What was submitted with this key before, if anything was.
   virtual Result<std::optional<Replay>> replay(std::string_view owner, std::string_view key) = 0;
@@ -118,8 +130,12 @@ class JobStore {
   /// Whose the job is, also of one that was removed.
   virtual Result<std::string> owner_of(std::string_view id) = 0;
 
-  /// What the owner's jobs and clouds hold.
+  /// What the owner's jobs, clouds and uploads hold; at the cost of one row, however many they are.
   virtual Result<Holding> holding_of(std::string_view owner) = 0;
+
+  /// Counts what everybody holds from the beginning, and puts right what is wrong.
+  /// @return  of how many owners that was; it is 0 unless there is a defect
+  virtual Result<std::size_t> recount_holdings() = 0;
 
   /// Adds an output that was made from those of a successful job.
   /// @param source  the attempt whose outputs it was made from; false, and nothing changed, if they are not the
@@ -153,8 +169,10 @@ class JobStore {
   virtual Result<std::optional<JobStatus>> settle(const Claim& claim, const Ending& ending) = 0;
 
   /// Queues a failed or dismissed job again, at the end, with its mishaps forgotten.
-  /// @return job_not_found, job_gone, not_retryable, queue_full.
-  virtual Result<Retry> retry(std::string_view id) = 0;
+  /// @param allowance  of the job's owner
+  /// @return job_not_found, job_gone, not_retryable, queue_full, quota_exceeded.
+  virtual Result<Retry> retry(std::string_view id, const Allowance& allowance) = 0;
+  Result<Retry> retry(std::string_view id) { return retry(id, {}); }
 
   /// Dismisses an active job, removes an ended one; job_not_found, job_gone.
   virtual Result<Dismissal> dismiss(std::string_view id) = 0;

@@ -3,15 +3,16 @@
 
 #include <sqlite3.h>
 
-#include <condition_variable>
 #include <mutex>
 #include <unordered_map>
 #include <utility>
 
 #include "jobs/sqlite/database.hpp"
 #include "jobs/sqlite/errors.hpp"
+#include "jobs/sqlite/holding_rows.hpp"
 #include "jobs/sqlite/job_rows.hpp"
 #include "jobs/sqlite/listing_rows.hpp"
+#include "jobs/sqlite/patient_mutex.hpp"
 #include "jobs/sqlite/schema.hpp"
 
 namespace surfaced {
@@ -32,28 +33,6 @@ struct Heard {
   std::chrono::steady_clock::time_point when;
 };
 
-/// A mutex that is waited for no longer than one likes. Not std::timed_mutex: the thread sanitizer of GCC 12 does not
-/// know pthread_mutex_clocklock and would be blind to everything under it.
-class PatientMutex {
- public:
-  bool try_lock_for(std::chrono::milliseconds patience) {
-    std::unique_lock lock(mutex_);
-    if (!free_.wait_for(lock, patience, [&] { return !taken_; })) return false;
-    taken_ = true;
-    return true;
-  }
-  void unlock() {
-    const std::scoped_lock lock(mutex_);
-    taken_ = false;
-    free_.notify_one();
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable free_;
-  bool taken_ = false;
-};
-
 /// One connection writes, another reads, each under its own mutex: a read never waits for the disk.
 class SqliteJobStore final : public JobStore {
  public:
@@ -62,11 +41,13 @@ class SqliteJobStore final : public JobStore {
     migrate(writer_);
   }
 
-  Result<Job> submit(const NewJob& job) override {
+  Result<Job> submit(const NewJob& job, const Allowance& allowance) override {
     return guarded([&]() -> Result<Job> {
       const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
       if (Status room = room_in(writer_); !room.ok()) return room.error();
+      const Demand demand{1, job.of_stored_cloud() ? 0 : job.input.bytes};
+      if (Status may = admit(writer_, job.owner, allowance, demand); !may.ok()) return may.error();
       if (job.of_stored_cloud() && !use_cloud(writer_, job.input.key, now())) {
         return Error{ErrorCode::cloud_not_found, "the cloud '" + job.input.key + "' was deleted meanwhile"};
       }
@@ -112,6 +93,17 @@ class SqliteJobStore final : public JobStore {
       const std::scoped_lock lock(read_mutex_);
       const Transaction transaction(reader_, Transaction::Kind::read);
       return select_holding(reader_, owner);
+    });
+  }
+
+  Result<std::size_t> recount_holdings() override {
+    return guarded([&]() -> Result<std::size_t> {
+      const auto lock = lock_writer();
+      Transaction transaction(writer_, Transaction::Kind::write);
+      const std::size_t wrong = count_wrong_holdings(writer_);
+      if (wrong > 0) sqlite::recount_holdings(writer_);
+      transaction.commit();
+      return wrong;
     });
   }
 
@@ -204,7 +196,7 @@ class SqliteJobStore final : public JobStore {
     });
   }
 
-  Result<Retry> retry(std::string_view id) override {
+  Result<Retry> retry(std::string_view id, const Allowance& allowance) override {
     return guarded([&]() -> Result<Retry> {
       const auto lock = lock_writer();
       Transaction transaction(writer_, Transaction::Kind::write);
@@ -216,6 +208,7 @@ class SqliteJobStore final : public JobStore {
                                                    "; only a failed or dismissed job can be tried again"};
       }
       if (Status room = room_in(writer_); !room.ok()) return room.error();
+      if (Status may = admit(writer_, row->job.owner, allowance, {1, 0}); !may.ok()) return may.error();
       Artifacts garbage = requeue_ended(writer_, row->job);
       auto queued = *select_job(writer_, id);
       transaction.commit();

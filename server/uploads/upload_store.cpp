@@ -8,17 +8,24 @@
 #include <cerrno>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <vector>
+#include <utility>
 
+#include "artifacts/backup_lease.hpp"
+#include "jobs/sqlite/database.hpp"
+#include "jobs/sqlite/errors.hpp"
+#include "jobs/sqlite/holding_rows.hpp"
 #include "platform/files.hpp"
 #include "platform/random.hpp"
+#include "uploads/upload_rows.hpp"
 
 namespace surfaced {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+using sqlite::Transaction;
 
+constexpr std::chrono::milliseconds kPatience{2'000};
 constexpr std::chrono::hours kTombstone{24};
 constexpr std::size_t kReadBytes = std::size_t{256} << 10;
 constexpr std::size_t kIdDigits = 32;
@@ -29,49 +36,9 @@ bool is_id(std::string_view text) {
          std::ranges::all_of(text, [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }
 
-Json record_of(const PartialUpload& upload) {
-  return {{"id", upload.id},
-          {"owner", upload.owner},
-          {"length", upload.length},
-          {"offset", upload.offset},
-          {"metadata", upload.metadata},
-          {"created_at", to_rfc3339(upload.created_at)},
-          {"expires_at", to_rfc3339(upload.expires_at)},
-          {"cloud", upload.cloud},
-          {"gone", upload.gone}};
-}
-
-}  // namespace
-
-Error no_such_upload(std::string_view id) {
-  std::string text(id.substr(0, 64));
-  return with_fault({ErrorCode::upload_not_found, "no upload has the id '" + text + "'"},
-                    {"id", text, "the id of an upload that POST /v1/uploads has given"});
-}
-
-Result<std::unique_ptr<UploadStore>> UploadStore::open(const fs::path& directory, std::chrono::seconds lifetime) {
-  if (Status made = make_directory(directory); !made.ok()) return made.error();
-  return std::unique_ptr<UploadStore>(new UploadStore(directory, lifetime));
-}
-
-Result<PartialUpload> UploadStore::create(std::string_view owner, std::uint64_t length, std::string_view metadata) {
-  const SystemTime time = now();
-  PartialUpload upload{
-      random_hex<16>(), std::string(owner), length, 0, std::string(metadata), time, time + lifetime_, "", false};
-  const UniqueFd fd(::open(bytes_file(upload.id).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
-  if (!fd) return system_error("begin an upload", errno);
-  if (Status saved = save(upload); !saved.ok()) {
-    ::unlink(bytes_file(upload.id).c_str());
-    return saved.error();
-  }
-  return upload;
-}
-
-Result<PartialUpload> UploadStore::load(std::string_view id) const {
-  const Error unknown = no_such_upload(id);
-  if (!is_id(id)) return unknown;
-  std::ifstream file(record_file(id));
-  if (!file) return unknown;
+/// A record as it was kept in a file; none if it cannot be read.
+std::optional<PartialUpload> read_record(const fs::path& path) {
+  std::ifstream file(path);
   const Json json = Json::parse(file, nullptr, false);
   try {
     return PartialUpload{json.at("id").get<std::string>(),
@@ -83,24 +50,124 @@ Result<PartialUpload> UploadStore::load(std::string_view id) const {
                          from_rfc3339(json.at("expires_at").get<std::string>()),
                          json.at("cloud").get<std::string>(),
                          json.at("gone").get<bool>()};
-  } catch (const Json::exception& damaged) {
-    return Error{ErrorCode::internal_error, std::string("the record of an upload is damaged: ") + damaged.what()};
+  } catch (const Json::exception&) {
+    return std::nullopt;
   }
 }
 
-Status UploadStore::save(const PartialUpload& upload) const {
-  const std::string text = record_of(upload).dump(-1, ' ', false, Json::error_handler_t::replace);
-  return write_file_durably(record_file(upload.id), text);
+Error gone(const PartialUpload& upload, const std::string& why) {
+  return with_fault({ErrorCode::upload_gone, "the upload '" + upload.id + "' " + why},
+                    {"id", upload.id, "an upload that is going on"});
+}
+
+}  // namespace
+
+/// The connection to the records, for one thread at a time.
+struct UploadStore::Records {
+  explicit Records(const fs::path& file) : database(file, kPatience) {}
+
+  template <class Work>
+  auto locked(Transaction::Kind kind, const Work& work) -> decltype(work(std::declval<sqlite::Database&>())) {
+    return sqlite::guarded([&]() -> decltype(work(database)) {
+      const std::scoped_lock lock(mutex);
+      Transaction transaction(database, kind);
+      auto result = work(database);
+      if (result) transaction.commit();
+      return result;
+    });
+  }
+
+  std::mutex mutex;
+  sqlite::Database database;
+};
+
+Error no_such_upload(std::string_view id) {
+  std::string text(id.substr(0, 64));
+  return with_fault({ErrorCode::upload_not_found, "no upload has the id '" + text + "'"},
+                    {"id", text, "the id of an upload that POST /v1/uploads has given"});
+}
+
+UploadStore::UploadStore(fs::path data, const UploadLimits& limits, std::unique_ptr<Records> records)
+    : data_(std::move(data)), directory_(data_ / "partial"), limits_(limits), records_(std::move(records)) {}
+
+UploadStore::~UploadStore() = default;
+
+Result<std::unique_ptr<UploadStore>> UploadStore::open(const fs::path& data, const UploadLimits& limits) {
+  auto records = sqlite::guarded(
+      [&]() -> Result<std::unique_ptr<Records>> { return std::make_unique<Records>(data / "jobs.sqlite"); });
+  if (!records) return std::move(records).error();
+  std::unique_ptr<UploadStore> store(new UploadStore(data, limits, std::move(*records)));
+  if (Status made = make_directory(store->directory_); !made.ok()) return made.error();
+  if (Status imported = store->import_files(); !imported.ok()) return imported.error();
+  return store;
+}
+
+Status UploadStore::import_files() {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(directory_, error)) {
+    if (entry.path().extension() == ".json") files.push_back(entry.path());
+  }
+  if (error) return system_error("list the uploads", error.value());
+  for (const fs::path& file : files) {
+    const auto upload = read_record(file);
+    if (!upload || !is_id(upload->id)) continue;
+    const Status noted = records_->locked(Transaction::Kind::write, [&](sqlite::Database& database) -> Status {
+      sqlite::insert_upload(database, *upload, upload->owner);
+      return Done{};
+    });
+    if (!noted) return noted;
+  }
+  for (const fs::path& file : files) ::unlink(file.c_str());
+  return Done{};
+}
+
+Status UploadStore::check_room(const Uploader& uploader) const {
+  sqlite::Database& database = records_->database;
+  if (!uploader.client.empty() && limits_.most_of_client > 0 &&
+      sqlite::count_open_uploads(database, uploader.client, limits_.most_of_client) >= limits_.most_of_client) {
+    return Error{ErrorCode::too_many_requests,
+                 "the limit is " + std::to_string(limits_.most_of_client) + " open uploads of one client"};
+  }
+  if (sqlite::count_open_uploads(database, std::nullopt, limits_.most) < limits_.most) return Done{};
+  return Error{ErrorCode::not_ready, std::to_string(limits_.most) + " uploads are open, which is the limit"};
+}
+
+Result<PartialUpload> UploadStore::create(const Uploader& uploader, std::uint64_t length, std::string_view metadata) {
+  const SystemTime time = now();
+  const PartialUpload upload{
+      random_hex<16>(), uploader.owner, length, 0, std::string(metadata), time, time + limits_.lifetime, "", false};
+  return records_->locked(Transaction::Kind::write, [&](sqlite::Database& database) -> Result<PartialUpload> {
+    if (Status room = check_room(uploader); !room.ok()) return room.error();
+    const Status may = sqlite::admit(database, uploader.owner, uploader.allowance, {0, length});
+    if (!may) return may.error();
+    sqlite::insert_upload(database, upload, uploader.client);
+    return upload;
+  });
+}
+
+Result<std::optional<PartialUpload>> UploadStore::load(std::string_view id) {
+  return records_->locked(Transaction::Kind::read,
+                          [&](sqlite::Database& database) -> Result<std::optional<PartialUpload>> {
+                            return sqlite::select_upload(database, id);
+                          });
+}
+
+Status UploadStore::save(const PartialUpload& upload) {
+  return records_->locked(Transaction::Kind::write, [&](sqlite::Database& database) -> Status {
+    sqlite::update_upload(database, upload);
+    return Done{};
+  });
 }
 
 Result<PartialUpload> UploadStore::find(std::string_view id) {
+  if (!is_id(id)) return no_such_upload(id);
   auto upload = load(id);
-  if (!upload) return upload;
-  if (!upload->gone && upload->expires_at > now()) return upload;
-  return with_fault(
-      {ErrorCode::upload_gone, "the upload '" + upload->id + "' " +
-                                   (upload->gone ? "was ended" : "expired at " + to_rfc3339(upload->expires_at))},
-      {"id", upload->id, "an upload that is going on"});
+  if (!upload) return std::move(upload).error();
+  if (!upload->has_value()) return no_such_upload(id);
+  if ((*upload)->gone) return gone(**upload, "was ended");
+  if ((*upload)->expires_at <= now()) return gone(**upload, "expired at " + to_rfc3339((*upload)->expires_at));
+  return std::move(**upload);
 }
 
 bool UploadStore::take(const std::string& id) {
@@ -114,28 +181,36 @@ void UploadStore::release(const std::string& id) {
 }
 
 Result<UploadStore::Session> UploadStore::begin(std::string_view id) {
-  if (!is_id(id)) return load(id).error();
+  if (!is_id(id)) return no_such_upload(id);
   const std::string name(id);
   if (!take(name)) {
     return Error{ErrorCode::upload_busy, "another request is writing to the upload '" + name + "'"};
   }
   auto upload = find(id);
-  if (!upload) {
+  auto bytes = upload ? open_bytes(*upload) : Result<UniqueFd>(upload.error());
+  if (!bytes) {
     release(name);
-    return std::move(upload).error();
+    return std::move(bytes).error();
   }
-  UniqueFd fd(::open(bytes_file(id).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
-  if (!fd && upload->cloud.empty()) {
-    release(name);
-    return system_error("open an upload", errno);
+  return Session(*this, std::move(*upload), std::move(*bytes));
+}
+
+Result<UniqueFd> UploadStore::open_bytes(const PartialUpload& upload) {
+  if (!upload.open()) return UniqueFd();
+  UniqueFd fd(::open(bytes_file(upload.id).c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!fd) return system_error("open an upload", errno);
+  const auto size = file_size(fd.get());
+  if (!size) return size.error();
+  if (*size < upload.offset) {
+    PartialUpload lost = upload;
+    lost.gone = true;
+    if (Status noted = save(lost); !noted.ok()) return noted.error();
+    return gone(upload,
+                "has lost bytes: " + std::to_string(*size) + " of " + std::to_string(upload.offset) + " are there");
   }
-  Session session(*this, std::move(*upload), std::move(fd));
   // What a request that broke off, or a server that died, has left behind the offset.
-  const PartialUpload& known = session.upload();
-  if (known.cloud.empty() && ::ftruncate(session.bytes_.get(), static_cast<off_t>(known.offset)) != 0) {
-    return system_error("go on with an upload", errno);
-  }
-  return session;
+  if (::ftruncate(fd.get(), static_cast<off_t>(upload.offset)) != 0) return system_error("go on with an upload", errno);
+  return fd;
 }
 
 UploadStore::Session::Session(UploadStore& store, PartialUpload upload, UniqueFd bytes)
@@ -171,9 +246,13 @@ Status UploadStore::Session::write(std::span<const std::byte> bytes) {
 
 Result<PartialUpload> UploadStore::Session::keep() {
   if (::fsync(bytes_.get()) != 0) return system_error("store the upload", errno);
+  // Of a new file the name, too.
+  if (upload_.offset == 0) {
+    if (Status synced = sync_directory(store_->directory_); !synced.ok()) return synced.error();
+  }
   PartialUpload next = upload_;
   next.offset += written_;
-  next.expires_at = now() + store_->lifetime_;
+  next.expires_at = now() + store_->limits_.lifetime;
   if (Status saved = store_->save(next); !saved.ok()) return saved.error();
   upload_ = next;
   written_ = 0;
@@ -199,7 +278,7 @@ Status UploadStore::Session::became(const std::string& cloud) {
   next.cloud = cloud;
   if (Status saved = store_->save(next); !saved.ok()) return saved;
   upload_ = next;
-  ::unlink(store_->bytes_file(upload_.id).c_str());
+  store_->remove_bytes(upload_.id);
   return Done{};
 }
 
@@ -208,37 +287,69 @@ Status UploadStore::Session::remove() {
   next.gone = true;
   next.expires_at = now();
   if (Status saved = store_->save(next); !saved.ok()) return saved;
-  ::unlink(store_->bytes_file(upload_.id).c_str());
+  store_->remove_bytes(upload_.id);
   return Done{};
 }
 
-std::size_t UploadStore::expire() {
-  std::size_t dropped = 0;
-  std::error_code error;
-  std::vector<std::string> ids;
-  for (const auto& entry : fs::directory_iterator(directory_, error)) {
-    if (entry.path().extension() == ".json") ids.push_back(entry.path().stem().string());
-  }
-  const SystemTime time = now();
-  for (const std::string& id : ids) {
-    const auto upload = load(id);
-    if (!upload || upload->expires_at > time || !take(id)) continue;
-    if (::unlink(bytes_file(id).c_str()) == 0) ++dropped;
-    if (upload->expires_at + kTombstone < time) ::unlink(record_file(id).c_str());
-    release(id);
-  }
-  return dropped;
+void UploadStore::remove_bytes(const std::string& id) const {
+  // Else the sweep does it, when the backup is made.
+  if (const auto lease = BackupLease::to_remove(data_)) ::unlink(bytes_file(id).c_str());
 }
 
-std::uint64_t UploadStore::promised_to(std::string_view owner) {
-  std::uint64_t bytes = 0;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(directory_, error)) {
-    if (entry.path().extension() != ".json") continue;
-    const auto upload = find(entry.path().stem().string());
-    if (upload && upload->owner == owner && upload->cloud.empty()) bytes += upload->length;
+std::size_t UploadStore::end_expired() {
+  const SystemTime time = now();
+  const auto expired =
+      records_->locked(Transaction::Kind::write, [&](sqlite::Database& database) -> Result<std::vector<std::string>> {
+        sqlite::purge_uploads(database, time - kTombstone);
+        return sqlite::select_expired_uploads(database, time);
+      });
+  std::size_t ended = 0;
+  for (const std::string& id : expired ? *expired : std::vector<std::string>()) {
+    if (!take(id)) continue;
+    auto upload = load(id);
+    // A session may have gone on with it meanwhile.
+    if (upload && upload->has_value() && (*upload)->open() && (*upload)->expires_at <= time) {
+      (*upload)->gone = true;
+      if (save(**upload).ok()) ++ended;
+    }
+    release(id);
   }
-  return bytes;
+  return ended;
+}
+
+void UploadStore::remove_strays() {
+  const auto lease = BackupLease::to_remove(data_);
+  if (!lease) return;
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(directory_, error)) files.push_back(entry.path());
+  // Asked for after the files were listed: a row is there before its file is.
+  const auto open =
+      records_->locked(Transaction::Kind::read, [](sqlite::Database& database) -> Result<std::vector<PartialUpload>> {
+        return sqlite::select_open_uploads(database);
+      });
+  if (error || !open) return;
+  std::set<fs::path> known;
+  for (const PartialUpload& upload : *open) known.insert(bytes_file(upload.id));
+  for (const fs::path& file : files) {
+    if (!known.contains(file)) fs::remove_all(file, error);
+  }
+}
+
+std::size_t UploadStore::sweep() {
+  const std::size_t ended = end_expired();
+  remove_strays();
+  return ended;
+}
+
+Result<std::vector<std::string>> UploadStore::whole() {
+  return records_->locked(Transaction::Kind::read, [](sqlite::Database& database) -> Result<std::vector<std::string>> {
+    std::vector<std::string> ids;
+    for (const PartialUpload& upload : sqlite::select_open_uploads(database)) {
+      if (upload.whole()) ids.push_back(upload.id);
+    }
+    return ids;
+  });
 }
 
 }  // namespace surfaced

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Uploads that may break off and go on later. Each is two files under one directory:
+// Uploads that may break off and go on later. Each is a record in the job store's file and a file of its own:
 //
-//   DIR/ID.bytes   what has arrived; beyond `offset` it does not count
-//   DIR/ID.json    the record: length, offset, owner, until when; replaced as a whole after the bytes were synced
+//   uploads              the row: length, offset, owner, until when
+//   DIR/partial/ID.bytes what has arrived; beyond `offset` it does not count
 //
-// After a crash at any moment the record tells how much is there for certain, and the bytes are cut to it before
-// more are appended. A record whose upload was ended or has expired stays for a day, so that its id answers "gone".
+// The row is made before the file, the offset moves after the bytes were synced, and the file goes after the row says
+// that the upload is a cloud, or gone. So after a crash at any moment the row tells how much is there for certain, the
+// bytes are cut to it before more are appended, and a file without an open row is swept. An upload that was whole but
+// no cloud yet becomes one at the next start. A record of an upload that has ended stays for a day, so that its id
+// answers "gone".
 #pragma once
 
 #include <chrono>
@@ -14,12 +17,15 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/base.hpp"
+#include "jobs/job_store.hpp"
 #include "platform/clock.hpp"
 #include "platform/unique_fd.hpp"
 
@@ -40,18 +46,40 @@ struct PartialUpload {
   bool gone = false;
 
   bool whole() const { return offset == length; }
+  /// Neither a cloud nor gone: it may go on.
+  bool open() const { return cloud.empty() && !gone; }
 };
 
 /// upload_not_found.
 Error no_such_upload(std::string_view id);
 
+struct UploadLimits {
+  /// Of an upload without progress.
+  std::chrono::seconds lifetime{std::chrono::hours(24)};
+  /// Open at once.
+  std::size_t most = 1000;
+  /// Of these, of one client; 0 for no limit.
+  std::size_t most_of_client = 0;
+};
+
+/// Who begins an upload.
+struct Uploader {
+  std::string owner;
+  /// By whom open uploads are counted: a key, or an address; empty for nobody.
+  std::string client{};
+  Allowance allowance{};
+};
+
 class UploadStore {
  public:
-  /// @param lifetime  of an upload without progress
-  static Result<std::unique_ptr<UploadStore>> open(const std::filesystem::path& directory,
-                                                   std::chrono::seconds lifetime);
+  /// @param data  folder of the job store's file, which must have been opened as such before
+  static Result<std::unique_ptr<UploadStore>> open(const std::filesystem::path& data, const UploadLimits& limits);
+  UploadStore(const UploadStore&) = delete;
+  UploadStore& operator=(const UploadStore&) = delete;
+  ~UploadStore();
 
-  Result<PartialUpload> create(std::string_view owner, std::uint64_t length, std::string_view metadata);
+  /// @return  not_ready if as many are open as may be, too_many_requests if they are the client's, quota_exceeded
+  Result<PartialUpload> create(const Uploader& uploader, std::uint64_t length, std::string_view metadata);
 
   /// upload_not_found, upload_gone.
   Result<PartialUpload> find(std::string_view id);
@@ -88,24 +116,34 @@ class UploadStore {
   /// upload_not_found, upload_gone, upload_busy while another session lives.
   Result<Session> begin(std::string_view id);
 
-  /// Drops what has expired. Returns how many uploads.
-  std::size_t expire();
+  /// Ends what has expired and removes every file that no open upload has. Returns how many uploads ended.
+  std::size_t sweep();
 
-  /// Bytes that the owner's uploads hold or may still come to hold.
-  std::uint64_t promised_to(std::string_view owner);
+  /// Ids of uploads that are whole and no cloud yet.
+  Result<std::vector<std::string>> whole();
 
  private:
-  UploadStore(std::filesystem::path directory, std::chrono::seconds lifetime)
-      : directory_(std::move(directory)), lifetime_(lifetime) {}
+  struct Records;
+  UploadStore(std::filesystem::path data, const UploadLimits& limits, std::unique_ptr<Records> records);
   std::filesystem::path bytes_file(std::string_view id) const { return directory_ / (std::string(id) + ".bytes"); }
-  std::filesystem::path record_file(std::string_view id) const { return directory_ / (std::string(id) + ".json"); }
-  Result<PartialUpload> load(std::string_view id) const;
-  Status save(const PartialUpload& upload) const;
+  Result<std::optional<PartialUpload>> load(std::string_view id);
+  Status save(const PartialUpload& upload);
+  Status check_room(const Uploader& uploader) const;
+  /// Brings in the records of a version that kept them as files.
+  Status import_files();
+  /// Takes a session's file, with at least the bytes that its record counts; upload_gone, and it is, if it has lost
+  /// some.
+  Result<UniqueFd> open_bytes(const PartialUpload& upload);
+  void remove_bytes(const std::string& id) const;
+  std::size_t end_expired();
+  void remove_strays();
   bool take(const std::string& id);
   void release(const std::string& id);
 
+  const std::filesystem::path data_;
   const std::filesystem::path directory_;
-  const std::chrono::seconds lifetime_;
+  const UploadLimits limits_;
+  const std::unique_ptr<Records> records_;
   std::mutex mutex_;
   std::set<std::string> busy_;
 };

@@ -201,11 +201,15 @@ TEST_F(OperationsTest, a_backup_of_a_running_service_can_be_served) {
   const std::string mesh = "/v1/jobs/" + done + "/outputs/mesh.glb";
   const Answer before = call(server.port(), "GET", mesh);
   ASSERT_EQ(run("backup " + path("copy").string() + " --data " + path("data").string()), 0) << text_of(path("err"));
-  EXPECT_THAT(text_of(path("out")), HasSubstr("copied 1 jobs"));
+  EXPECT_THAT(text_of(path("out")), HasSubstr("copied and verified 1 jobs"));
   EXPECT_EQ(run("backup " + path("copy").string() + " --data " + path("data").string()), 2) << "it is not empty";
+  EXPECT_EQ(run("backup --verify " + path("copy").string()), 0) << text_of(path("err"));
+  EXPECT_THAT(text_of(path("out")), HasSubstr("verified 1 jobs"));
+  EXPECT_EQ(run("backup --verify " + path("data").string()), 3) << "a data folder is no backup";
   // What happens after it is not in it.
   EXPECT_EQ(call(server.port(), "DELETE", "/v1/jobs/" + done).status, 200);
   const testing::ServerProcess restored(path("copy"));
+  EXPECT_EQ(run("backup --verify " + path("copy").string()), 3) << "nor is one on which a service was started";
   const Answer after = call(restored.port(), "GET", mesh);
   EXPECT_EQ(after.status, 200);
   EXPECT_EQ(after.body, before.body);

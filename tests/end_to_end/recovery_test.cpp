@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What was acknowledged survives the death of the server.
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <fstream>
 #include <map>
@@ -120,9 +121,39 @@ TEST(RecoveryTest, files_that_no_job_refers_to_are_removed_at_the_start) {
   testing::ServerProcess(data).end(SIGTERM);
   std::ofstream(data / "inputs/orphan") << "x";
   std::ofstream(data / "uploads/half") << "x";
+  std::ofstream(data / "partial" / (std::string(32, 'a') + ".bytes")) << "x";
   std::filesystem::create_directory(data / "outputs/0123-1");
   const testing::ServerProcess server(data);
-  EXPECT_EQ(count(data / "inputs") + count(data / "uploads") + count(data / "outputs"), 0U);
+  for (const char* room : {"inputs", "uploads", "outputs", "partial"}) EXPECT_EQ(count(data / room), 0U) << room;
+}
+
+TEST(RecoveryTest, an_upload_whose_server_died_between_its_last_byte_and_its_cloud_is_finished_at_the_start) {
+  const testing::TemporaryDirectory directory;
+  const auto data = directory.path() / "data";
+  const std::string cloud = testing::binary_ply(testing::sphere_points(200));
+  testing::Fields fields{{"Tus-Resumable", "1.0.0"}};
+  std::string path;
+  {
+    testing::ServerProcess server(data);
+    testing::Fields begin = fields;
+    begin.emplace_back("Upload-Length", std::to_string(cloud.size()));
+    path = call(server.port(), "POST", "/v1/uploads", "", begin).headers.at("location");
+    server.end(SIGKILL);
+  }
+  // What a server leaves that has acknowledged every byte, to itself alone.
+  std::ofstream(data / "partial" / (path.substr(path.rfind('/') + 1) + ".bytes"), std::ios::binary) << cloud;
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open((data / "jobs.sqlite").c_str(), &database), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(database, "UPDATE uploads SET offset = length", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(database);
+  const testing::ServerProcess server(data);
+  Answer head;
+  EXPECT_TRUE(testing::eventually([&] {
+    head = call(server.port(), "HEAD", path, "", fields);
+    return head.headers.contains("surfaced-cloud-id");
+  }));
+  EXPECT_EQ(call(server.port(), "GET", "/v1/clouds/" + head.headers["surfaced-cloud-id"]).status, 200);
+  EXPECT_EQ(count(data / "partial"), 0U);
 }
 
 }  // namespace

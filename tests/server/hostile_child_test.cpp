@@ -111,6 +111,8 @@ TEST_P(HostileChildTest, its_files_are_bounded_in_bytes_together) {
 
 TEST_P(HostileChildTest, it_is_lost_when_it_takes_what_is_to_stay_free_of_the_disk) {
   limits_.minimum_free = ~std::uint64_t{0};
+  // Its own bound is not what it meets first.
+  limits_.file_bytes = std::uint64_t{1} << 30;
   const Ending ending = run("hostile bytes");
   EXPECT_EQ(ending.result.outcome, Outcome::lost);
   EXPECT_EQ(ending.result.error->code, ErrorCode::storage_full);

@@ -23,6 +23,7 @@ class ArtifactsMock : public ArtifactStore {
  public:
   MOCK_METHOD(Result<std::unique_ptr<Upload>>, begin_upload, (), (override));
   MOCK_METHOD(Result<std::filesystem::path>, input_file, (std::string_view), (override));
+  MOCK_METHOD(bool, has_input, (std::string_view, std::uint64_t), (override));
   MOCK_METHOD(Result<std::filesystem::path>, begin_attempt, (const Claim&), (override));
   MOCK_METHOD(Result<std::vector<Output>>, publish, (const Claim&, std::span<const std::string>), (override));
   MOCK_METHOD(void, discard, (const Claim&), (override));

@@ -6,6 +6,8 @@
 #include <fstream>
 
 #include "api/upload_headers.hpp"
+#include "artifacts/backup_lease.hpp"
+#include "jobs/sqlite_job_store.hpp"
 #include "platform/files.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -14,11 +16,15 @@ namespace {
 
 class UploadsTest : public ::testing::Test {
  protected:
-  void SetUp() override { open(std::chrono::hours(1)); }
-  void open(std::chrono::seconds lifetime) {
-    store_ = UploadStore::open(directory_.path() / "partial", lifetime).value();
+  void SetUp() override {
+    jobs_ = open_sqlite_job_store(directory_.path() / "jobs.sqlite", {}).value();
+    open({std::chrono::hours(1)});
   }
-  std::string begin(std::uint64_t length = 10) { return store_->create("me", length, "name YQ==").value().id; }
+  void open(const UploadLimits& limits) { store_ = UploadStore::open(directory_.path(), limits).value(); }
+  std::string begin(std::uint64_t length = 10) { return store_->create({"me"}, length, "name YQ==").value().id; }
+  std::filesystem::path bytes_of(const std::string& id) const {
+    return directory_.path() / "partial" / (id + ".bytes");
+  }
   void append(const std::string& id, std::string_view text) {
     auto session = store_->begin(id).value();
     ASSERT_TRUE(session.write(as_bytes(text)).ok());
@@ -37,6 +43,7 @@ class UploadsTest : public ::testing::Test {
   }
 
   testing::TemporaryDirectory directory_;
+  std::unique_ptr<JobStore> jobs_;
   std::unique_ptr<UploadStore> store_;
 };
 
@@ -47,7 +54,7 @@ TEST_F(UploadsTest, what_was_kept_survives_a_restart_and_what_was_not_is_cut_off
     auto session = store_->begin(id).value();
     ASSERT_TRUE(session.write(as_bytes("xyz")).ok());
   }
-  open(std::chrono::hours(1));
+  open({std::chrono::hours(1)});
   EXPECT_EQ(store_->find(id).value().offset, 4U);
   append(id, "efghij");
   EXPECT_TRUE(store_->find(id).value().whole());
@@ -69,10 +76,10 @@ TEST_F(UploadsTest, ended_and_expired_uploads_are_gone_and_unknown_ones_were_nev
   const std::string id = begin();
   ASSERT_TRUE(store_->begin(id).value().remove().ok());
   EXPECT_EQ(store_->find(id).error().code, ErrorCode::upload_gone);
-  open(std::chrono::seconds(0));
+  open({std::chrono::seconds(0)});
   const std::string late = begin();
   EXPECT_EQ(store_->find(late).error().code, ErrorCode::upload_gone);
-  EXPECT_EQ(store_->expire(), 1U);
+  EXPECT_EQ(store_->sweep(), 1U);
   EXPECT_EQ(store_->begin(late).error().code, ErrorCode::upload_gone);
   for (const char* other : {"", "..", "../jobs.sqlite", "00000000000000000000000000000000"}) {
     EXPECT_EQ(store_->find(other).error().code, ErrorCode::upload_not_found) << other;
@@ -80,11 +87,78 @@ TEST_F(UploadsTest, ended_and_expired_uploads_are_gone_and_unknown_ones_were_nev
   }
 }
 
-TEST_F(UploadsTest, unfinished_uploads_count_with_their_whole_length) {
-  begin(10);
+TEST_F(UploadsTest, unfinished_uploads_count_with_their_whole_length_until_they_end) {
+  const std::string first = begin(10);
   begin(7);
-  EXPECT_EQ(store_->promised_to("me"), 17U);
-  EXPECT_EQ(store_->promised_to("you"), 0U);
+  EXPECT_EQ(jobs_->holding_of("me").value().bytes, 17U);
+  EXPECT_EQ(jobs_->holding_of("you").value().bytes, 0U);
+  ASSERT_TRUE(store_->begin(first).value().remove().ok());
+  EXPECT_EQ(jobs_->holding_of("me").value().bytes, 7U);
+  EXPECT_EQ(store_->create({"me", "", {0, 20}}, 14, "").error().code, ErrorCode::quota_exceeded);
+  EXPECT_TRUE(store_->create({"me", "", {0, 20}}, 13, "").ok());
+}
+
+TEST_F(UploadsTest, open_uploads_are_bounded_for_each_client_and_in_all) {
+  open({std::chrono::hours(1), 3, 2});
+  const std::string first = store_->create({"me", "me"}, 5, "").value().id;
+  EXPECT_TRUE(store_->create({"me", "me"}, 5, "").ok());
+  EXPECT_EQ(store_->create({"me", "me"}, 5, "").error().code, ErrorCode::too_many_requests);
+  EXPECT_TRUE(store_->create({"you", "you"}, 5, "").ok());
+  EXPECT_EQ(store_->create({"them", ""}, 5, "").error().code, ErrorCode::not_ready);
+  ASSERT_TRUE(store_->begin(first).value().remove().ok());
+  EXPECT_TRUE(store_->create({"me", "me"}, 5, "").ok()) << "one that has ended leaves its place";
+}
+
+TEST_F(UploadsTest, a_sweep_removes_every_file_that_no_open_upload_has) {
+  const std::string open = begin();
+  append(open, "abcd");
+  const std::string ended = begin();
+  append(ended, "abcd");
+  ASSERT_TRUE(store_->begin(ended).value().remove().ok());
+  EXPECT_FALSE(std::filesystem::exists(bytes_of(ended)));
+  for (const std::string& name : {ended + ".bytes", std::string(32, '0') + ".bytes", std::string("x.json.new")}) {
+    std::ofstream(directory_.path() / "partial" / name) << "left by a crash";
+  }
+  store_->sweep();
+  std::vector<std::filesystem::path> left;
+  for (const auto& entry : std::filesystem::directory_iterator(directory_.path() / "partial")) left.push_back(entry);
+  EXPECT_THAT(left, ::testing::ElementsAre(bytes_of(open)));
+}
+
+TEST_F(UploadsTest, nothing_is_removed_while_a_backup_is_made_and_the_sweep_after_it_finds_it) {
+  const std::string id = begin();
+  append(id, "abcd");
+  {
+    const auto lease = BackupLease::take(directory_.path()).value();
+    ASSERT_TRUE(store_->begin(id).value().remove().ok());
+    store_->sweep();
+    EXPECT_TRUE(std::filesystem::exists(bytes_of(id)));
+  }
+  store_->sweep();
+  EXPECT_FALSE(std::filesystem::exists(bytes_of(id)));
+}
+
+TEST_F(UploadsTest, an_upload_whose_bytes_were_lost_is_gone_and_not_filled_with_zeros) {
+  const std::string id = begin();
+  append(id, "abcd");
+  std::filesystem::resize_file(bytes_of(id), 2);
+  EXPECT_EQ(store_->begin(id).error().code, ErrorCode::upload_gone);
+  EXPECT_EQ(store_->find(id).error().code, ErrorCode::upload_gone);
+  EXPECT_EQ(jobs_->holding_of("me").value().bytes, 0U);
+}
+
+TEST_F(UploadsTest, uploads_that_a_version_before_kept_as_files_go_on) {
+  const std::string id(32, 'a');
+  std::ofstream(directory_.path() / "partial" / (id + ".json"))
+      << R"({"id":")" << id
+      << R"(","owner":"me","length":10,"offset":4,"metadata":"","created_at":"2026-01-01T00:00:00Z",)"
+      << R"("expires_at":"2999-01-01T00:00:00Z","cloud":"","gone":false})";
+  std::ofstream(bytes_of(id)) << "abcd and what did not count";
+  open({std::chrono::hours(1)});
+  append(id, "efghij");
+  EXPECT_EQ(content(id), "abcdefghij");
+  EXPECT_EQ(jobs_->holding_of("me").value().bytes, 10U);
+  EXPECT_FALSE(std::filesystem::exists(directory_.path() / "partial" / (id + ".json")));
 }
 
 TEST(UploadHeadersTest, checksums_have_an_algorithm_and_its_length) {

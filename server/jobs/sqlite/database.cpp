@@ -3,6 +3,8 @@
 
 #include <sqlite3.h>
 
+#include <cctype>
+
 namespace surfaced::sqlite {
 void Database::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 void Database::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
@@ -18,6 +20,24 @@ Database::Database(const std::filesystem::path& file, std::chrono::milliseconds 
   // SQLite does not fail where it cannot do as it is told, but does something else.
   expect("PRAGMA journal_mode", "wal");
   expect("PRAGMA synchronous", "2");
+}
+
+Database Database::unchanging(const std::filesystem::path& file) {
+  std::string uri = "file:";
+  for (const char c : std::filesystem::absolute(file).string()) {
+    constexpr std::string_view kDigits = "0123456789ABCDEF";
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = std::isalnum(byte) != 0 || c == '/' || c == '.' || c == '-' || c == '_';
+    if (plain) uri += c;
+    if (!plain) uri.append({'%', kDigits[byte >> 4], kDigits[byte & 15]});
+  }
+  Database database;
+  sqlite3* handle = nullptr;
+  const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  const int code = sqlite3_open_v2((uri + "?immutable=1").c_str(), &handle, flags, nullptr);
+  database.handle_.reset(handle);
+  if (code != SQLITE_OK) database.fail(code, "open");
+  return database;
 }
 
 void Database::expect(const char* pragma, std::string_view value) {

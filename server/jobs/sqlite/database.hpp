@@ -39,6 +39,9 @@ class Database {
   /// @param patience  for the lock, which another process (a backup) may hold
   Database(const std::filesystem::path& file, std::chrono::milliseconds patience);
 
+  /// Opens a file that nobody changes while it is open, for reading; nothing is written, not even beside it.
+  static Database unchanging(const std::filesystem::path& file);
+
   /// Runs statements that return nothing.
   void run(const char* sql);
   /// Rows that the last statement changed.
@@ -46,6 +49,7 @@ class Database {
 
  private:
   friend class Query;
+  Database() = default;
   struct Close {
     void operator()(sqlite3* handle) const;
   };

@@ -113,21 +113,6 @@ std::optional<std::string> select_owner(Database& database, std::string_view id)
   return query.step() ? std::optional(query.text(0)) : std::nullopt;
 }
 
-Holding select_holding(Database& database, std::string_view owner) {
-  // A stored cloud counts once, however many jobs use it.
-  Query query(
-      database,
-      "SELECT (SELECT count(*) FROM jobs WHERE owner = ?1 AND status IN ('accepted', 'running')), "
-      "(SELECT coalesce(sum(input_bytes), 0) FROM jobs WHERE owner = ?1 AND removed_at IS NULL "
-      "AND input_key <> input_sha256) + "
-      "(SELECT coalesce(sum(o.bytes), 0) FROM outputs o JOIN jobs j ON j.id = o.job WHERE j.owner = ?1 "
-      "AND j.removed_at IS NULL) + "
-      "(SELECT coalesce(sum(c.bytes), 0) FROM cloud_holders h JOIN clouds c ON c.id = h.cloud WHERE h.owner = ?1)");
-  query.bind(owner);
-  if (!query.step()) return {};
-  return {static_cast<std::uint64_t>(query.number(0)), static_cast<std::uint64_t>(query.number(1))};
-}
-
 bool use_cloud(Database& database, std::string_view id, SystemTime time) {
   const std::string used = to_rfc3339(time);
   Query(database, "UPDATE clouds SET used_at = ? WHERE id = ?").bind(used).bind(id).run();
@@ -156,7 +141,10 @@ bool insert_output(Database& database, const Claim& source, const Output& output
     query.bind(source.job).bind(std::int64_t{source.attempt});
     if (!query.step()) return false;
   }
-  Query(database, "INSERT OR REPLACE INTO outputs (job, name, attempt, bytes, sha256) VALUES (?, ?, ?, ?, ?)")
+  // Not INSERT OR REPLACE, which removes a row without its trigger.
+  Query(database,
+        "INSERT INTO outputs (job, name, attempt, bytes, sha256) VALUES (?, ?, ?, ?, ?) ON CONFLICT (job, name) DO "
+        "UPDATE SET attempt = excluded.attempt, bytes = excluded.bytes, sha256 = excluded.sha256")
       .bind(source.job)
       .bind(output.name)
       .bind(std::int64_t{output.attempt})

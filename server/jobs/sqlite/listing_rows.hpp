@@ -16,8 +16,6 @@ JobPage select_page(Database& database, const JobFilter& filter, std::size_t lim
 
 std::optional<std::string> select_owner(Database& database, std::string_view id);
 
-Holding select_holding(Database& database, std::string_view owner);
-
 /// Notes that the cloud is used at this time; false if there is no such cloud.
 bool use_cloud(Database& database, std::string_view id, SystemTime time);
 

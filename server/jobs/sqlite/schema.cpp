@@ -135,18 +135,102 @@ CREATE INDEX jobs_owner ON jobs (owner, seq, status, removed_at) WHERE removed_a
 CREATE INDEX jobs_status ON jobs (status, seq) WHERE removed_at IS NULL;
 CREATE INDEX jobs_method ON jobs (method, status, seq) WHERE removed_at IS NULL;
 )sql",
+    // Uploads that may go on, and what each owner holds: counted by the transaction that changes it, whoever makes it.
+    // `held` counts from the beginning. A job's outputs and a cloud's holders go before their parent does, as the
+    // triggers of what a foreign key removes would look for an owner that is gone.
+    R"sql(
+CREATE TABLE uploads (
+  id         TEXT PRIMARY KEY,
+  owner      TEXT NOT NULL,
+  client     TEXT NOT NULL,
+  length     INTEGER NOT NULL,
+  offset     INTEGER NOT NULL DEFAULT 0,
+  metadata   TEXT NOT NULL,
+  created_at TEXT NOT NULL,
+  expires_at TEXT NOT NULL,
+  cloud      TEXT NOT NULL DEFAULT '',
+  gone       INTEGER NOT NULL DEFAULT 0
+) STRICT, WITHOUT ROWID;
+CREATE INDEX uploads_open ON uploads (client) WHERE cloud = '' AND gone = 0;
+CREATE INDEX uploads_expiry ON uploads (expires_at);
+CREATE TABLE holdings (
+  owner       TEXT PRIMARY KEY,
+  active_jobs INTEGER NOT NULL,
+  bytes       INTEGER NOT NULL
+) STRICT, WITHOUT ROWID;
+CREATE VIEW held (owner, active_jobs, bytes) AS
+  SELECT owner, sum(active), sum(bytes) FROM (
+    SELECT owner, status IN ('accepted', 'running') AS active,
+      iif(removed_at IS NULL AND input_key <> input_sha256, input_bytes, 0) AS bytes FROM jobs
+    UNION ALL SELECT j.owner, 0, o.bytes FROM outputs o JOIN jobs j ON j.id = o.job
+    UNION ALL SELECT h.owner, 0, c.bytes FROM cloud_holders h JOIN clouds c ON c.id = h.cloud
+    UNION ALL SELECT owner, 0, length FROM uploads WHERE cloud = '' AND gone = 0)
+  GROUP BY owner;
+INSERT INTO holdings SELECT owner, active_jobs, bytes FROM held;
+CREATE TRIGGER hold_job AFTER INSERT ON jobs BEGIN
+  INSERT INTO holdings VALUES (NEW.owner, NEW.status IN ('accepted', 'running'),
+    iif(NEW.removed_at IS NULL AND NEW.input_key <> NEW.input_sha256, NEW.input_bytes, 0))
+  ON CONFLICT (owner) DO UPDATE SET active_jobs = active_jobs + excluded.active_jobs, bytes = bytes + excluded.bytes;
+END;
+CREATE TRIGGER hold_changed_job AFTER UPDATE OF status, removed_at ON jobs BEGIN
+  UPDATE holdings SET
+    active_jobs = active_jobs + (NEW.status IN ('accepted', 'running')) - (OLD.status IN ('accepted', 'running')),
+    bytes = bytes + iif(NEW.removed_at IS NULL AND NEW.input_key <> NEW.input_sha256, NEW.input_bytes, 0)
+      - iif(OLD.removed_at IS NULL AND OLD.input_key <> OLD.input_sha256, OLD.input_bytes, 0)
+  WHERE owner = NEW.owner;
+END;
+CREATE TRIGGER release_job BEFORE DELETE ON jobs BEGIN
+  DELETE FROM outputs WHERE job = OLD.id;
+  UPDATE holdings SET active_jobs = active_jobs - (OLD.status IN ('accepted', 'running')),
+    bytes = bytes - iif(OLD.removed_at IS NULL AND OLD.input_key <> OLD.input_sha256, OLD.input_bytes, 0)
+  WHERE owner = OLD.owner;
+END;
+CREATE TRIGGER hold_output AFTER INSERT ON outputs BEGIN
+  UPDATE holdings SET bytes = bytes + NEW.bytes WHERE owner = (SELECT owner FROM jobs WHERE id = NEW.job);
+END;
+CREATE TRIGGER hold_changed_output AFTER UPDATE OF bytes ON outputs BEGIN
+  UPDATE holdings SET bytes = bytes + NEW.bytes - OLD.bytes WHERE owner = (SELECT owner FROM jobs WHERE id = NEW.job);
+END;
+CREATE TRIGGER release_output AFTER DELETE ON outputs BEGIN
+  UPDATE holdings SET bytes = bytes - OLD.bytes WHERE owner = (SELECT owner FROM jobs WHERE id = OLD.job);
+END;
+CREATE TRIGGER hold_cloud AFTER INSERT ON cloud_holders BEGIN
+  INSERT INTO holdings SELECT NEW.owner, 0, bytes FROM clouds WHERE id = NEW.cloud
+  ON CONFLICT (owner) DO UPDATE SET bytes = bytes + excluded.bytes;
+END;
+CREATE TRIGGER release_cloud AFTER DELETE ON cloud_holders BEGIN
+  UPDATE holdings SET bytes = bytes - (SELECT bytes FROM clouds WHERE id = OLD.cloud) WHERE owner = OLD.owner;
+END;
+CREATE TRIGGER release_holders BEFORE DELETE ON clouds BEGIN
+  DELETE FROM cloud_holders WHERE cloud = OLD.id;
+END;
+CREATE TRIGGER hold_upload AFTER INSERT ON uploads WHEN NEW.cloud = '' AND NEW.gone = 0 BEGIN
+  INSERT INTO holdings VALUES (NEW.owner, 0, NEW.length)
+  ON CONFLICT (owner) DO UPDATE SET bytes = bytes + excluded.bytes;
+END;
+CREATE TRIGGER hold_changed_upload AFTER UPDATE OF cloud, gone ON uploads BEGIN
+  UPDATE holdings SET bytes = bytes + NEW.length * (NEW.cloud = '' AND NEW.gone = 0)
+    - OLD.length * (OLD.cloud = '' AND OLD.gone = 0) WHERE owner = NEW.owner;
+END;
+CREATE TRIGGER release_upload AFTER DELETE ON uploads WHEN OLD.cloud = '' AND OLD.gone = 0 BEGIN
+  UPDATE holdings SET bytes = bytes - OLD.length WHERE owner = OLD.owner;
+END;
+)sql",
 });
 
 }  // namespace
 
+std::int64_t version_of(Database& database) {
+  Query query(database, "PRAGMA user_version");
+  return query.step() ? query.number(0) : 0;
+}
+
+std::int64_t newest_version() { return static_cast<std::int64_t>(kMigrations.size()); }
+
 void migrate(Database& database) {
   Transaction transaction(database, Transaction::Kind::write);
-  std::int64_t version = 0;
-  {
-    Query query(database, "PRAGMA user_version");
-    if (query.step()) version = query.number(0);
-  }
-  const auto newest = static_cast<std::int64_t>(kMigrations.size());
+  std::int64_t version = version_of(database);
+  const std::int64_t newest = newest_version();
   if (version < 0 || version > newest) {
     throw SqliteError(0, "the job store has version " + std::to_string(version) +
                              ", this surfaced knows versions up to " + std::to_string(newest) +
