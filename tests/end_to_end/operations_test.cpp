@@ -56,7 +56,7 @@ TEST_F(OperationsTest, check_config_shows_every_setting_and_where_it_comes_from)
   EXPECT_EQ(run("check-config " + path("c.json").string()), 0) << text_of(path("err"));
   const std::string out = text_of(path("out"));
   EXPECT_THAT(out, HasSubstr("queue-limit = 7  [file]"));
-  EXPECT_THAT(out, HasSubstr("lease = 60 s  [SURFACED_LEASE]"));
+  EXPECT_THAT(out, HasSubstr("lease = 1 min  [SURFACED_LEASE]"));
   EXPECT_THAT(out, HasSubstr("listen = 127.0.0.1:8080  [default]"));
   EXPECT_EQ(run("check-config --json"), 0);
   EXPECT_GT(Json::parse(text_of(path("out"))).at("settings").size(), 20U);

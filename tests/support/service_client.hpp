@@ -36,8 +36,9 @@ inline std::string binary_ply(const std::vector<Point3>& points) {
   return bytes;
 }
 
-inline nlohmann::json job_of(std::uint16_t port, const std::string& id, const std::string& query = "") {
-  return nlohmann::json::parse(call(port, "GET", "/v1/jobs/" + id + query).body);
+inline nlohmann::json job_of(std::uint16_t port, const std::string& id, const std::string& query = "",
+                             const Fields& fields = {}) {
+  return nlohmann::json::parse(call(port, "GET", "/v1/jobs/" + id + query, "", fields).body);
 }
 
 inline bool is_active(const nlohmann::json& job) {
@@ -55,11 +56,11 @@ inline nlohmann::json wait_for_end(std::uint16_t port, const std::string& id) {
 }
 
 /// The job once it runs (or has ended), or as it is after two minutes.
-inline nlohmann::json wait_for_start(std::uint16_t port, const std::string& id) {
+inline nlohmann::json wait_for_start(std::uint16_t port, const std::string& id, const Fields& fields = {}) {
   nlohmann::json now;
   eventually(
       [&] {
-        now = job_of(port, id);
+        now = job_of(port, id, "", fields);
         return now.at("status") != "accepted";
       },
       std::chrono::seconds(120));
@@ -67,11 +68,11 @@ inline nlohmann::json wait_for_start(std::uint16_t port, const std::string& id) 
 }
 
 /// The job once it is past reading, in the middle of its method (or has ended).
-inline nlohmann::json wait_for_method(std::uint16_t port, const std::string& id) {
-  nlohmann::json now = wait_for_start(port, id);
+inline nlohmann::json wait_for_method(std::uint16_t port, const std::string& id, const Fields& fields = {}) {
+  nlohmann::json now = wait_for_start(port, id, fields);
   eventually(
       [&] {
-        now = job_of(port, id);
+        now = job_of(port, id, "", fields);
         return !is_active(now) || !(now.at("phase").is_null() || now.at("phase") == "read");
       },
       std::chrono::seconds(120));
@@ -86,11 +87,11 @@ inline std::string start_endless_job(const ServerProcess& server, const std::vec
     const Answer made = call(server.port(), "POST", "/v1/jobs?method=advancing-front", binary_ply(points), fields);
     if (made.status != 201) throw std::runtime_error(made.body);
     const std::string id = nlohmann::json::parse(made.body).at("id");
-    wait_for_method(server.port(), id);
+    wait_for_method(server.port(), id, fields);
     for (const pid_t child : server.children()) ::kill(-child, SIGSTOP);
-    if (is_active(job_of(server.port(), id)) && !server.children().empty()) return id;
+    if (is_active(job_of(server.port(), id, "", fields)) && !server.children().empty()) return id;
     // It was faster than this process, which had to wait for a processor.
-    call(server.port(), "DELETE", "/v1/jobs/" + id);
+    call(server.port(), "DELETE", "/v1/jobs/" + id, "", fields);
   }
   throw std::runtime_error("the job ends too early");
 }
