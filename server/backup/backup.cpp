@@ -230,15 +230,18 @@ Status sync_file(const fs::path& file) {
 }  // namespace
 
 Result<BackupContents> back_up(const fs::path& data, const fs::path& target) {
-  if (!fs::exists(data / kRecords)) {
-    return Error{ErrorCode::invalid_usage, "there is no job store at '" + (data / kRecords).string() + "'"};
-  }
-  if (!fs::exists(data / kIdentity)) {
-    return Error{ErrorCode::invalid_usage, "no service was ever started on '" + data.string() + "'"};
-  }
   if (fs::exists(target) && !fs::is_empty(target)) {
     return with_fault({ErrorCode::invalid_usage, "'" + target.string() + "' is not empty"},
                       {"TARGET", target.string(), "a folder that is empty or not there yet"});
+  }
+  const char* const kService = "a folder on which a service was started";
+  if (!fs::exists(data / kRecords)) {
+    return with_fault({ErrorCode::invalid_usage, "there is no job store at '" + (data / kRecords).string() + "'"},
+                      {"--data", data.string(), kService});
+  }
+  if (!fs::exists(data / kIdentity)) {
+    return with_fault({ErrorCode::invalid_usage, "no service was ever started on '" + data.string() + "'"},
+                      {"--data", data.string(), kService});
   }
   const auto recorded = copy_all(data, target);
   if (!recorded) return recorded.error();

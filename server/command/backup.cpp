@@ -27,7 +27,8 @@ int tell(const Options& options, const char* done, const Result<BackupContents>&
 int run_backup(const Options& options) {
   if (options.verify) return tell(options, "verified", verify_backup(options.target));
   if (options.data.empty()) {
-    return report_problem({ErrorCode::invalid_usage, "--data is not set: the folder of the service to copy"});
+    return report_problem(with_fault({ErrorCode::invalid_usage, "--data is not set: the folder of the service to copy"},
+                                     {"--data", std::nullopt, "the folder that surfaced serve --data was given"}));
   }
   return tell(options, "copied and verified", back_up(options.data, options.target));
 }
