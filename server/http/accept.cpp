@@ -45,8 +45,10 @@ std::string lower(std::string_view text) {
 }  // namespace
 
 std::vector<MediaRange> parse_accept(std::string_view value) {
+  // More than any client names; what stands behind them is not read.
+  constexpr std::size_t kMostRanges = 256;
   std::vector<MediaRange> ranges;
-  while (!value.empty()) {
+  for (std::size_t i = 0; i < kMostRanges && !value.empty(); ++i) {
     std::string_view item = take_until(value, ',');
     std::string_view name = take_until(item, ';');
     MediaRange range;
