@@ -15,7 +15,8 @@ struct MediaRange {
   int quality = 1000;
 };
 
-/// Reads an Accept header; ranges that break the rules are left out, as are their parameters but q.
+/// Reads an Accept header; ranges that break the rules are left out, as are their parameters but q, and what stands
+/// behind the first 256.
 std::vector<MediaRange> parse_accept(std::string_view value);
 
 /// How much a media type is wanted, in thousandths: the quality of the most specific range that fits, 0 if none does.
