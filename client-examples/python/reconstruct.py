@@ -27,8 +27,7 @@ class Upload:
     def read(self, size=1 << 16):
         data, before = self.file.read(size), self.told
         self.told = 100 * self.file.tell() // max(self.size, 1)
-        if self.told != before:
-            show(f"upload {self.told} %")
+        show(f"upload {self.told} %") if self.told != before else None
         return data
 
 
