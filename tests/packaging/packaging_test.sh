@@ -101,7 +101,7 @@ the_manual_lists_every_setting_as_the_program_does() {
   local manual=$scratch/root/usr/share/man/man1/surfaced.1.gz name
   [[ -e $manual ]] || fail "there is no manual"
   gzip -dc "$manual" >"$scratch/surfaced.1"
-  "$build/surfaced" check-config --json 2>/dev/null | sed -n 's/^ *"name": "\(.*\)",$/\1/p' >"$scratch/names"
+  "$build/surfaced" check-config --json --data "$scratch/data" | sed -n 's/^ *"name": "\(.*\)",$/\1/p' >"$scratch/names"
   (($(wc -l <"$scratch/names") > 40)) || fail "the program lists $(wc -l <"$scratch/names") settings"
   while read -r name; do
     grep -qF -- "\\-\\-${name//-/\\-} " "$scratch/surfaced.1" || fail "--$name is missing"
