@@ -22,7 +22,9 @@ namespace surfaced {
 namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
-constexpr double kAllowed = 0.050;
+// 50 ms is promised on a machine that does nothing else; beside other tests the same work has taken up to 130 ms. What
+// this test is for, growth with the square of the length, takes seconds.
+constexpr double kAllowed = 0.250;
 
 template <typename Work>
 void expect_cheap(const std::string& what, std::size_t bytes, const Work& work) {
