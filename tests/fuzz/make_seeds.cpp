@@ -102,7 +102,6 @@ void save_scan_seeds() {
     save_text("las/" + std::to_string(format) + ".las", las_file({{{1, -2, 3}, {65535, 0, 7}}, {{4, 5, 6}, {1, 2, 3}}},
                                                                  {.minor = format == 7 ? 4 : 2, .format = format}));
   }
-  save_text("obj/continued.obj", "g \\\nname\nv 1 \\\n 2 3\nv 4 5 6\n");
   save_text("stl/more.stl", binary_stl(two_facets(), "made by hand") + "more");
   save_text("pcd/nothing.pcd",
             "VERSION .7\nFIELDS x y _ z r g b\nSIZE 4 4 1 4 8 8 8\nTYPE F F U F F F F\n"
