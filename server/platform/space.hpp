@@ -11,7 +11,8 @@ namespace surfaced {
 
 /// Asks whether there is space while bytes come in whose number nobody knows: before the first of them, and then once
 /// for every 64 KiB. What may be written until the next look is asked for in advance, so that a writer alone never
-/// takes what is to stay free, and writers at the same time take 64 KiB each of it at most.
+/// takes what is to stay free, and writers at the same time take 64 KiB each of it at most. Another 64 KiB are asked for
+/// besides: the job store writes records of what came, and a file's last block is rounded up.
 class SpaceLooks {
  public:
   /// storage_full unless this many bytes may be written.
@@ -26,7 +27,8 @@ class SpaceLooks {
       return Done{};
     }
     constexpr std::uint64_t kBetweenLooks = std::uint64_t{64} << 10;
-    if (Status space = check_(bytes + kBetweenLooks); !space.ok()) return space;
+    constexpr std::uint64_t kForRecords = std::uint64_t{64} << 10;
+    if (Status space = check_(bytes + kBetweenLooks + kForRecords); !space.ok()) return space;
     granted_ = kBetweenLooks;
     return Done{};
   }

@@ -5,7 +5,10 @@ import { UnreadableCloud } from './cloud_data';
 export function isBinaryStl(bytes: Uint8Array): boolean {
   if (bytes.length < 84) return false;
   const triangles = new DataView(bytes.buffer, bytes.byteOffset).getUint32(80, true);
-  return triangles > 0 && bytes.length === 84 + 50 * triangles;
+  const length = 84 + 50 * triangles;
+  // Bytes may follow the last triangle; text has no zero where the highest byte of a count is.
+  const solid = new TextDecoder('latin1').decode(bytes.subarray(0, 5)).toLowerCase() === 'solid';
+  return triangles > 0 && (bytes.length === length || (bytes.length > length && !solid && bytes[83] === 0));
 }
 
 export function readStl(bytes: Uint8Array): Float32Array | Float64Array {
