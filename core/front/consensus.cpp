@@ -33,12 +33,12 @@ Beside beside(const LocalStars& stars, std::size_t v, std::uint32_t w) {
   return {};
 }
 
-/// Corners i and i+1 of the star.
-struct Corners {
+/// StarCorners i and i+1 of the star.
+struct StarCorners {
   std::uint32_t first;
   std::uint32_t second;
 };
-Corners corners(std::span<const std::uint32_t> star, std::size_t i) {
+StarCorners corners(std::span<const std::uint32_t> star, std::size_t i) {
   return {star[i], star[i + 1 < star.size() ? i + 1 : 0]};
 }
 
@@ -67,17 +67,17 @@ struct Turned {
   bool at_first;
   bool at_second;
 };
-Turned turned(const LocalStars& stars, std::uint32_t v, Corners c) {
+Turned turned(const LocalStars& stars, std::uint32_t v, StarCorners c) {
   return {beside(stars, c.first, v).before != c.second, beside(stars, c.second, v).after != c.first};
 }
 
 /// Takes face i of v, with corners c, from the masks of its three vertices.
-void drop_face(const LocalStars& stars, FaceMasks& faces, std::uint32_t v, Corners c) {
+void drop_face(const LocalStars& stars, FaceMasks& faces, std::uint32_t v, StarCorners c) {
   const std::array<std::uint32_t, 3> all{v, c.first, c.second};
   for (std::size_t k = 0; k < 3; ++k) {
     const auto star = stars.star(all[k]);
     for (std::size_t i = 0; i < stars.triangles(all[k]); ++i) {
-      const Corners d = corners(star, i);
+      const StarCorners d = corners(star, i);
       const bool same = (d.first == all[(k + 1) % 3] && d.second == all[(k + 2) % 3]) ||
                         (d.second == all[(k + 1) % 3] && d.first == all[(k + 2) % 3]);
       if (same) faces[all[k]] &= ~(1U << i);
@@ -97,7 +97,7 @@ double parallelism(const LocalStars& stars, std::uint32_t a, std::uint32_t b) {
 
 /// Least agreement, from -1 to 1, of the normals at the corners of the face with how the stars there turn it: low where
 /// noise folds the surface over.
-double certainty(const LocalStars& stars, std::uint32_t v, Corners c, Turned t) {
+double certainty(const LocalStars& stars, std::uint32_t v, StarCorners c, Turned t) {
   const auto agreement = [&](std::uint32_t a, std::uint32_t b, bool turned_over) {
     return turned_over ? -parallelism(stars, a, b) : parallelism(stars, a, b);
   };
@@ -112,12 +112,12 @@ std::size_t unite_across_faces(const LocalStars& stars, FaceMasks& faces, SidedS
   struct Doubtful {
     double certainty;
     std::uint32_t v;
-    Corners c;
+    StarCorners c;
     Turned t;
   };
   std::vector<Doubtful> doubtful;
   std::size_t dropped = 0;
-  const auto unite = [&](std::uint32_t v, Corners c, Turned t) {
+  const auto unite = [&](std::uint32_t v, StarCorners c, Turned t) {
     if (sets.unite(v, c.first, t.at_first ? 1 : 0) && sets.unite(v, c.second, t.at_second ? 1 : 0)) return;
     drop_face(stars, faces, v, c);
     ++dropped;
@@ -126,7 +126,7 @@ std::size_t unite_across_faces(const LocalStars& stars, FaceMasks& faces, SidedS
     const auto star = stars.star(v);
     for (std::size_t i = 0; i < stars.triangles(v); ++i) {
       if ((faces[v] >> i & 1U) == 0) continue;
-      const Corners c = corners(star, i);
+      const StarCorners c = corners(star, i);
       if (v > c.first || v > c.second) continue;
       const Turned t = turned(stars, v, c);
       const double sure = certainty(stars, v, c, t);
@@ -148,7 +148,7 @@ void unite_across_shared_triangles(const LocalStars& stars, const FaceMasks& fac
     const auto star = stars.star(v);
     for (std::size_t i = 0; i < stars.triangles(v); ++i) {
       if ((faces[v] >> i & 1U) != 0) continue;
-      const Corners c = corners(star, i);
+      const StarCorners c = corners(star, i);
       const Beside at_first = beside(stars, c.first, v);
       if (at_first.before == c.second || at_first.after == c.second)
         sets.unite(v, c.first, at_first.before == c.second ? 0 : 1);

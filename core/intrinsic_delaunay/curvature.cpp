@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "intrinsic_delaunay/curvature.hpp"
 
-#define CGAL_EIGEN3_ENABLED
 #include <algorithm>
 #include <cmath>
 
-#include "base/jet_solver.hpp"
 #include "base/parallel.hpp"
+#include "fitting/fitting.hpp"
 
 namespace surfaced::idt {
 namespace {
-
-using Kernel = CGAL::Simple_cartesian<double>;
 
 /// A quadric has six coefficients; twice as many points average noise out.
 constexpr std::size_t kFewestPoints = 6;
@@ -36,7 +33,7 @@ void rings(const Adjacency& adjacency, std::uint32_t v, std::vector<std::uint32_
 
 /// Relative to the vertex, in units of the mean distance: far origins and tiny units cost no digits.
 double curvature_at(std::span<const Point3> positions, std::span<const std::uint32_t> near,
-                    std::vector<Kernel::Point_3>& points) {
+                    std::vector<Point3>& points) {
   const Point3& centre = positions[near.front()];
   double mean = 0;
   for (const std::uint32_t w : near) mean += norm(positions[w] - centre);
@@ -45,12 +42,11 @@ double curvature_at(std::span<const Point3> positions, std::span<const std::uint
   points.clear();
   for (const std::uint32_t w : near) {
     const Point3 d = positions[w] - centre;
-    points.emplace_back(d[0] / mean, d[1] / mean, d[2] / mean);
+    points.push_back({d[0] / mean, d[1] / mean, d[2] / mean});
   }
-  constexpr std::size_t kWithCurvatures = 2;
-  const auto form = jet_of<Kernel>(points, kWithCurvatures);
-  if (!form) return -1;
-  const double largest = std::max(std::abs(form->principal_curvatures(0)), std::abs(form->principal_curvatures(1)));
+  const auto jet = jet_of(points, JetForm::curvatures);
+  if (!jet) return -1;
+  const double largest = std::max(std::abs(jet->curvatures[0]), std::abs(jet->curvatures[1]));
   return std::isfinite(largest) ? largest / mean : -1;
 }
 
@@ -90,7 +86,7 @@ std::vector<double> curvatures(std::span<const Point3> positions, const Adjacenc
   std::vector<double> result(positions.size(), -1);
   parallel_ranges(context.threads(), positions.size(), [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> near;
-    std::vector<Kernel::Point_3> points;
+    std::vector<Point3> points;
     for (std::size_t v = begin; v < end; ++v) {
       if (context.cancelled()) return;
       rings(adjacency, static_cast<std::uint32_t>(v), near);

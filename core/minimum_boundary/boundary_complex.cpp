@@ -12,7 +12,7 @@
 namespace surfaced::boundary {
 namespace {
 
-constexpr std::size_t kCancelStride = 1U << 8U;
+constexpr std::size_t kBlockStride = 1U << 8U;
 
 /// What Algorithm 1 knows about the sides of a cell.
 class CellByte {
@@ -62,7 +62,7 @@ class Builder {
   /// The paper's loop; false if cancelled.
   bool run(FacetQueue& queue, Context& context) {
     for (std::size_t blocks = 0; !spanning(); ++blocks) {
-      if (blocks % kCancelStride == 0 && context.cancelled()) return false;
+      if (blocks % kBlockStride == 0 && context.cancelled()) return false;
       list(queue.next_block());
       for (const Listed& facet : block_) {
         take(facet);

@@ -13,7 +13,7 @@ namespace surfaced::boundary {
 namespace {
 
 constexpr std::size_t kMostBridges = 64;
-constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+constexpr std::uint32_t kNoBridge = 0xFFFFFFFFU;
 
 /// Surface components by their least vertex.
 UnionFind components_of(const Labelling& labels) {
@@ -64,7 +64,7 @@ std::vector<CellIndex> chain(const Labelling& labels, UnionFind& parts, std::uin
   using Entry = std::pair<std::int64_t, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   std::vector<std::int64_t> distance(complex.cells(), std::numeric_limits<std::int64_t>::max());
-  std::vector<std::uint32_t> previous(complex.cells(), kNone);
+  std::vector<std::uint32_t> previous(complex.cells(), kNoBridge);
   const auto reach = [&](CellIndex c, std::int64_t length, std::uint32_t before) {
     if (complex.infinite(c) || labels.in(c) != in || length >= distance[c]) return;
     distance[c] = length;
@@ -74,7 +74,7 @@ std::vector<CellIndex> chain(const Labelling& labels, UnionFind& parts, std::uin
   for (std::size_t c = 0; c < complex.cells(); ++c) {
     if (labels.border(CellIndex(c)) != 0 && labels.in(CellIndex(c)) == in && !complex.infinite(CellIndex(c)) &&
         meets(CellIndex(c), true)) {
-      reach(CellIndex(c), cost(CellIndex(c)), kNone);
+      reach(CellIndex(c), cost(CellIndex(c)), kNoBridge);
     }
   }
   while (!queue.empty()) {
@@ -84,7 +84,7 @@ std::vector<CellIndex> chain(const Labelling& labels, UnionFind& parts, std::uin
     if (length != distance[c]) continue;
     if (meets(c, false)) {
       std::vector<CellIndex> cells;
-      for (std::uint32_t at = cell; at != kNone; at = previous[at]) cells.emplace_back(at);
+      for (std::uint32_t at = cell; at != kNoBridge; at = previous[at]) cells.emplace_back(at);
       return cells;
     }
     for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {

@@ -15,18 +15,18 @@ namespace surfaced::boundary {
 namespace {
 
 /// Cells whose bends are summed together, so that the sum does not depend on the number of threads.
-constexpr std::size_t kBlock = 1U << 14U;
+constexpr std::size_t kEdgeBlock = 1U << 14U;
 
 class Bending {
  public:
   explicit Bending(Labelling& labels) : labels_(labels), complex_(labels.complex()) {}
 
   double total(unsigned threads) const {
-    std::vector<double> sums((complex_.cells() + kBlock - 1) / kBlock, 0);
+    std::vector<double> sums((complex_.cells() + kEdgeBlock - 1) / kEdgeBlock, 0);
     parallel_ranges(threads, sums.size(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t b = begin; b < end; ++b) {
-        const std::size_t last = std::min(complex_.cells(), (b + 1) * kBlock);
-        for (std::size_t c = b * kBlock; c < last; ++c) sums[b] += at_cell(CellIndex(c));
+        const std::size_t last = std::min(complex_.cells(), (b + 1) * kEdgeBlock);
+        for (std::size_t c = b * kEdgeBlock; c < last; ++c) sums[b] += at_cell(CellIndex(c));
       }
     });
     return std::accumulate(sums.begin(), sums.end(), 0.0);

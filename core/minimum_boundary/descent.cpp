@@ -11,7 +11,7 @@
 namespace surfaced::boundary {
 namespace {
 
-constexpr std::size_t kCancelStride = 1024;
+constexpr std::size_t kDescentStride = 1024;
 
 bool vertex_touches(const Labelling& labels, VertexIndex v, bool in) {
   return std::ranges::any_of(labels.complex().star(v),
@@ -48,7 +48,7 @@ class Descender {
   Result<Descent> run(const Context& context, unsigned threads) {
     collect(threads);
     for (std::size_t steps = 1; !queue_.empty(); ++steps) {
-      if (steps % kCancelStride == 0 && context.cancelled()) {
+      if (steps % kDescentStride == 0 && context.cancelled()) {
         return Error{ErrorCode::cancelled, "cancelled in the final descent"};
       }
       const Move best = queue_.top();

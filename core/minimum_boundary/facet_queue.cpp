@@ -16,7 +16,7 @@ constexpr std::size_t kBuckets = std::size_t{1} << (32 - kBucketShift);
 constexpr unsigned kDigitBits = 10;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
 /// Facets looked up at once; a block may grow by facets of the same key.
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kQueueBlock = 256;
 
 }  // namespace
 
@@ -61,7 +61,7 @@ FacetQueue::FacetQueue(const DelaunayComplex& complex, const Criterion& criterio
 
 std::span<const ListedFacet> FacetQueue::next_block() {
   if (next_ == sorted_) sort_next_bucket();
-  std::size_t end = std::min(next_ + kBlock, sorted_);
+  std::size_t end = std::min(next_ + kQueueBlock, sorted_);
   while (end < sorted_ && facets_[end].key == facets_[end - 1].key) ++end;
   block_.resize(end - next_);
   for (std::size_t k = next_; k < end; ++k) {

@@ -10,7 +10,7 @@
 namespace surfaced::boundary {
 namespace {
 
-constexpr std::size_t kCancelStride = 1024;
+constexpr std::size_t kInflateStride = 1024;
 
 class Inflater {
  public:
@@ -34,7 +34,7 @@ class Inflater {
     }
     std::size_t steps = 0;
     while (!queue_.empty()) {
-      if (++steps % kCancelStride == 0 && context.cancelled()) return false;
+      if (++steps % kInflateStride == 0 && context.cancelled()) return false;
       const Candidate best = queue_.top();
       queue_.pop();
       // Costs only fall as facets come to the surface: an entry that costs less was handled before.

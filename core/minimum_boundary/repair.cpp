@@ -9,7 +9,7 @@
 namespace surfaced::boundary {
 namespace {
 
-constexpr std::size_t kCancelStride = 256;
+constexpr std::size_t kRepairStride = 256;
 /// Stars beyond this size are not searched again after every turn: on a fan of thousands of cells that would be
 /// quadratic. Inflating mends what is missed.
 constexpr std::size_t kLargeStar = 256;
@@ -139,7 +139,7 @@ bool Repairer::repair_all(const Context& context) {
   }
   Turn now{};
   for (std::size_t steps = 1; !queue_.empty(); ++steps) {
-    if (steps % kCancelStride == 0 && context.cancelled()) return false;
+    if (steps % kRepairStride == 0 && context.cancelled()) return false;
     const Turn best = queue_.top();
     queue_.pop();
     if (!improving(best.cell, now) || now.defect != best.defect || now.energy != best.energy) continue;

@@ -11,7 +11,7 @@
 namespace surfaced::boundary {
 namespace {
 
-constexpr std::size_t kCancelStride = 1024;
+constexpr std::size_t kSculptStride = 1024;
 
 /// Squared circumradius of a facet, the vertices in ascending order; infinite where it is too thin to tell.
 double squared_circumradius(const DelaunayComplex& complex, SideIndex s) {
@@ -114,7 +114,7 @@ class Sculptor {
   Result<Sculptured> run(const Context& context) {
     for (std::size_t c = 0; c < complex_.cells(); ++c) offer(CellIndex(c));
     for (std::size_t steps = 1; !queue_.empty(); ++steps) {
-      if (steps % kCancelStride == 0 && context.cancelled()) {
+      if (steps % kSculptStride == 0 && context.cancelled()) {
         return Error{ErrorCode::cancelled, "cancelled while sculpturing"};
       }
       const Removal best = queue_.top();

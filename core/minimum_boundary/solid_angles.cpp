@@ -15,7 +15,7 @@ namespace {
 constexpr double kThin = 0.1;
 constexpr double kBuried = 0.8;
 /// Of a vertex that is not on the surface; rounding may bring others a little below 0.
-constexpr double kNone = -1;
+constexpr double kNoAngle = -1;
 
 class Umbrellas {
  public:
@@ -33,7 +33,7 @@ class Umbrellas {
         ++edges;
       }
     }
-    if (edges == 0) return kNone;
+    if (edges == 0) return kNoAngle;
     return (angles - (static_cast<double>(edges) - 2) * std::numbers::pi) / (4 * std::numbers::pi);
   }
 
@@ -87,7 +87,7 @@ SolidAngles solid_angles(const Labelling& labels, unsigned threads) {
   parallel_ranges(threads, kinds.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const double share = umbrellas.inner_share(VertexIndex(v));
-      if (share > kNone) kinds[v] = share < kThin ? kThinHere : share > kBuried ? kBuriedHere : kOrdinary;
+      if (share > kNoAngle) kinds[v] = share < kThin ? kThinHere : share > kBuried ? kBuriedHere : kOrdinary;
     }
   });
   SolidAngles result;

@@ -12,8 +12,8 @@
 namespace surfaced::boundary {
 namespace {
 
-constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-constexpr std::size_t kCancelStride = 1U << 16U;
+constexpr std::uint32_t kNoBasin = 0xFFFFFFFFU;
+constexpr std::size_t kFloodStride = 1U << 16U;
 /// Fewer BC_0 facets than this on a cluster's border prove nothing.
 constexpr std::uint32_t kFewestItems = 4;
 /// Share of a cluster's BC_0 facets beyond which the other cluster lies on the other side.
@@ -43,10 +43,10 @@ class Merger {
   Merger(const DelaunayComplex& complex, const std::vector<std::uint8_t>& evidence)
       : sets_(complex.cells()), clusters_(complex.cells()) {
     collect_items(complex, evidence);
-    std::uint32_t outside = kNone;
+    std::uint32_t outside = kNoBasin;
     for (std::size_t c = 0; c < complex.cells(); ++c) {
       if (!complex.infinite(CellIndex(c))) continue;
-      if (outside != kNone) merge(sets_.find(outside), sets_.find(c));
+      if (outside != kNoBasin) merge(sets_.find(outside), sets_.find(c));
       outside = static_cast<std::uint32_t>(c);
     }
     outside_ = outside;
@@ -82,14 +82,14 @@ class Merger {
   /// An evidence facet of a cell: the cell beyond it, and the next item of the same cluster.
   struct Item {
     CellIndex beyond;
-    std::uint32_t next = kNone;
+    std::uint32_t next = kNoBasin;
   };
   /// What is known of a cluster, at its root.
   struct Cluster {
-    std::uint32_t first = kNone;
-    std::uint32_t last = kNone;
+    std::uint32_t first = kNoBasin;
+    std::uint32_t last = kNoBasin;
     std::uint32_t items = 0;
-    std::uint32_t partners = kNone;
+    std::uint32_t partners = kNoBasin;
   };
 
   void collect_items(const DelaunayComplex& complex, const std::vector<std::uint8_t>& evidence) {
@@ -103,9 +103,9 @@ class Merger {
         const SideIndex side(4 * c + static_cast<std::size_t>(std::countr_zero(bits)));
         items_.push_back({complex.neighbour(side), static_cast<std::uint32_t>(items_.size() + 1)});
       }
-      items_.back().next = kNone;
+      items_.back().next = kNoBasin;
       const auto end = static_cast<std::uint32_t>(items_.size());
-      clusters_[c] = {first, end - 1, end - first, kNone};
+      clusters_[c] = {first, end - 1, end - first, kNoBasin};
     }
   }
 
@@ -121,7 +121,7 @@ class Merger {
     const double enough = kGuardShare * items;
     std::uint32_t count = 0;
     std::uint32_t left = items;
-    for (std::uint32_t k = clusters_[a].first; k != kNone; k = items_[k].next, --left) {
+    for (std::uint32_t k = clusters_[a].first; k != kNoBasin; k = items_[k].next, --left) {
       if (count + left <= enough) return false;
       if (sets_.find(items_[k].beyond) == b && ++count > enough) return true;
     }
@@ -129,11 +129,11 @@ class Merger {
   }
 
   bool apart(std::uint32_t a, std::uint32_t b) const {
-    return clusters_[a].partners != kNone && clusters_[b].partners != kNone && apart_.contains(pair(a, b));
+    return clusters_[a].partners != kNoBasin && clusters_[b].partners != kNoBasin && apart_.contains(pair(a, b));
   }
 
   std::vector<std::uint32_t>& partners(std::uint32_t root) {
-    if (clusters_[root].partners == kNone) {
+    if (clusters_[root].partners == kNoBasin) {
       clusters_[root].partners = static_cast<std::uint32_t>(partners_.size());
       partners_.emplace_back();
     }
@@ -152,19 +152,20 @@ class Merger {
     const std::uint32_t gone = root == a ? b : a;
     append_items(root, gone);
     clusters_[root].items += clusters_[gone].items;
-    if (clusters_[gone].partners != kNone) inherit(root, gone);
+    if (clusters_[gone].partners != kNoBasin) inherit(root, gone);
   }
 
   void append_items(std::uint32_t root, std::uint32_t gone) {
-    if (clusters_[gone].last == kNone) return;
-    (clusters_[root].last == kNone ? clusters_[root].first : items_[clusters_[root].last].next) = clusters_[gone].first;
+    if (clusters_[gone].last == kNoBasin) return;
+    (clusters_[root].last == kNoBasin ? clusters_[root].first : items_[clusters_[root].last].next) =
+        clusters_[gone].first;
     clusters_[root].last = clusters_[gone].last;
   }
 
   /// Whoever was kept apart from `gone` is now kept apart from `root`.
   void inherit(std::uint32_t root, std::uint32_t gone) {
     const std::vector<std::uint32_t> moved = std::move(partners_[clusters_[gone].partners]);
-    clusters_[gone].partners = kNone;
+    clusters_[gone].partners = kNoBasin;
     for (const std::uint32_t old : moved) {
       const std::uint32_t other = sets_.find(old);
       if (other == root) continue;
@@ -244,7 +245,7 @@ Result<std::vector<Clusters>> guarded_watershed(const DelaunayComplex& complex, 
         std::ranges::partition_point(passages, [&](const auto& p) { return rated.steps[p.side] >= lowest; }) -
         passages.begin());
     for (; next < end; ++next) {
-      if (next % kCancelStride == 0) {
+      if (next % kFloodStride == 0) {
         if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled in the watershed"};
         context.report(static_cast<double>(next) / static_cast<double>(passages.size()));
       }

@@ -3,8 +3,7 @@
 // Visualization 2002, by CGAL's hierarchy_simplify_point_set. WLOP: H. Huang, D. Li, H. Zhang, U. Ascher, D. Cohen-Or,
 // "Consolidation of unorganized point clouds for surface reconstruction", ACM Transactions on Graphics 28 (2009), by
 // CGAL's wlop_simplify_and_regularize_point_set.
-#define CGAL_EIGEN3_ENABLED
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Simple_cartesian.h>
 #include <CGAL/hierarchy_simplify_point_set.h>
 #include <CGAL/wlop_simplify_and_regularize_point_set.h>
 
@@ -16,7 +15,7 @@
 namespace surfaced {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Kernel = CGAL::Simple_cartesian<double>;
 using Numbered = std::pair<Kernel::Point_3, std::size_t>;
 
 Kernel::Point_3 library_point(const Point3& local) { return {local[0], local[1], local[2]}; }

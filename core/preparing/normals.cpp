@@ -4,16 +4,13 @@
 // Duchamp, J. McDonald, W. Stuetzle, "Surface reconstruction from unorganized points", SIGGRAPH 1992: along a minimum
 // spanning forest of the neighbours, cheap where normals agree. By hand, because CGAL's mst_orient_normals orients one
 // connected part only and cannot be stopped (docs/DECISIONS.md).
-#define CGAL_EIGEN3_ENABLED
-#include <CGAL/linear_least_squares_fitting_3.h>
-
 #include <algorithm>
 #include <optional>
 #include <tuple>
 
-#include "base/jet_solver.hpp"
 #include "base/sided_sets.hpp"
 #include "base/vectors.hpp"
+#include "fitting/fitting.hpp"
 #include "preparing/library_neighbours.hpp"
 #include "preparing/neighbourhood.hpp"
 #include "preparing/stage.hpp"
@@ -21,30 +18,19 @@
 namespace surfaced {
 namespace {
 
-using preparing::Kernel;
-using preparing::LibraryPoints;
-
 constexpr double kEstimatedUntil = 0.7;
 
-std::optional<Point3> direction_of(const Kernel::Vector_3& v) { return surfaced::direction_of({v.x(), v.y(), v.z()}); }
-
-std::optional<Point3> normal_of_plane(const LibraryPoints& near) {
-  Kernel::Plane_3 plane;
-  CGAL::linear_least_squares_fitting_3(near.begin(), near.end(), plane, CGAL::Dimension_tag<0>());
-  return direction_of(plane.orthogonal_vector());
-}
-
-std::optional<Point3> normal_of_jet(const LibraryPoints& near) {
-  const auto jet = jet_of<Kernel>(near, 1);
-  return jet ? direction_of(jet->normal_direction()) : std::nullopt;
+std::optional<Point3> normal_of_jet(std::span<const Point3> near) {
+  const auto jet = jet_of(near, JetForm::normal);
+  return jet ? std::optional(jet->normal) : std::nullopt;
 }
 
 /// Neighbours that fit no quadric get the normal of the plane that fits them best, if there is one.
 std::vector<Point3> estimated(const PointCloud& cloud, NormalFit fit, std::size_t neighbours, Context& context) {
-  LibraryPoints points = preparing::local_points(cloud, LocalFrame(cloud.positions));
+  const std::vector<Point3> points = preparing::local_points(cloud, LocalFrame(cloud.positions));
   std::vector<Point3> normals(points.size(), Point3{0, 0, 1});
   preparing::each_neighbourhood(points, neighbours, kEstimatedUntil, context,
-                                [&](std::size_t v, const LibraryPoints& near) {
+                                [&](std::size_t v, std::span<const Point3> near) {
                                   std::optional<Point3> normal;
                                   if (fit == NormalFit::jet) normal = normal_of_jet(near);
                                   if (!normal) normal = normal_of_plane(near);

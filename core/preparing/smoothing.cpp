@@ -3,56 +3,56 @@
 // takes any neighbourhood for one that fits. Bilateral:
 // H. Huang, S. Wu, M. Gong, D. Cohen-Or, U. Ascher, H. Zhang, "Edge-aware point set resampling", ACM Transactions on
 // Graphics 32 (2013), section 4, by CGAL's bilateral_smooth_point_set.
-#define CGAL_EIGEN3_ENABLED
+#include <CGAL/Simple_cartesian.h>
 #include <CGAL/bilateral_smooth_point_set.h>
 
 #include <algorithm>
 
-#include "base/jet_solver.hpp"
 #include "base/vectors.hpp"
+#include "fitting/fitting.hpp"
 #include "preparing/library_neighbours.hpp"
 #include "preparing/stage.hpp"
 
 namespace surfaced {
 namespace {
 
-using preparing::Kernel;
-using preparing::LibraryPoints;
+using Kernel = CGAL::Simple_cartesian<double>;
 using PointVector = std::pair<Kernel::Point_3, Kernel::Vector_3>;
 
 /// Neighbours that fit no quadric leave their point where it is.
-LibraryPoints onto_jets(LibraryPoints points, std::size_t neighbours, Context& context) {
-  constexpr std::size_t kWholeForm = 2;
-  LibraryPoints moved = points;
-  preparing::each_neighbourhood(points, neighbours, 1, context, [&](std::size_t v, const LibraryPoints& near) {
-    if (const auto jet = jet_of<Kernel>(near, kWholeForm)) moved[v] = jet->origin();
+std::vector<Point3> onto_jets(const std::vector<Point3>& points, std::size_t neighbours, Context& context) {
+  std::vector<Point3> moved = points;
+  preparing::each_neighbourhood(points, neighbours, 1, context, [&](std::size_t v, std::span<const Point3> near) {
+    if (const auto jet = jet_of(near, JetForm::curvatures)) moved[v] = jet->origin;
   });
   return moved;
 }
 
-std::vector<PointVector> with_directions(const LibraryPoints& points, const PointCloud& cloud) {
+std::vector<PointVector> with_directions(const std::vector<Point3>& points, const PointCloud& cloud) {
   std::vector<PointVector> result;
   result.reserve(points.size());
   for (std::size_t v = 0; v < points.size(); ++v) {
+    const Point3& p = points[v];
     const Normal3& n = cloud.normals[v];
     const Point3 unit = direction_of({static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])})
                             .value_or(Point3{0, 0, 1});
-    result.emplace_back(points[v], Kernel::Vector_3(unit[0], unit[1], unit[2]));
+    result.emplace_back(Kernel::Point_3(p[0], p[1], p[2]), Kernel::Vector_3(unit[0], unit[1], unit[2]));
   }
   return result;
 }
 
 /// Whether any neighbourhood has an extent; the library asks the largest for one.
-bool spread(LibraryPoints& points, std::size_t neighbours, Context& context) {
+bool spread(const std::vector<Point3>& points, std::size_t neighbours, Context& context) {
   bool any = false;
-  preparing::each_neighbourhood(points, neighbours, 0, context, [&](std::size_t, const LibraryPoints& near) {
+  preparing::each_neighbourhood(points, neighbours, 0, context, [&](std::size_t, std::span<const Point3> near) {
     any = any || near.front() != near.back();
   });
   return any;
 }
 
 /// @param cloud  with normals.
-LibraryPoints along_normals(LibraryPoints points, const PointCloud& cloud, std::size_t neighbours, Context& context) {
+std::vector<Point3> along_normals(std::vector<Point3> points, const PointCloud& cloud, std::size_t neighbours,
+                                  Context& context) {
   if (!spread(points, neighbours, context)) return points;
   std::vector<PointVector> moved = with_directions(points, cloud);
   // A lambda, not a std::function: CGAL 5.5.1 would keep a reference to a copy of that which has ended.
@@ -64,7 +64,10 @@ LibraryPoints along_normals(LibraryPoints points, const PointCloud& cloud, std::
             context.report(done);
             return !context.cancelled();
           }));
-  for (std::size_t v = 0; v < points.size(); ++v) points[v] = moved[v].first;
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    const Kernel::Point_3& p = moved[v].first;
+    points[v] = {p.x(), p.y(), p.z()};
+  }
   return points;
 }
 
@@ -77,8 +80,8 @@ Result<PointCloud> smoothed(const PointCloud& cloud, Smoothing way, std::size_t 
     if (cloud.size() < kFewest) return cloud;
     const std::size_t k = std::min(neighbours, cloud.size() - 1);
     const LocalFrame frame(cloud.positions);
-    const LibraryPoints before = preparing::local_points(cloud, frame);
-    LibraryPoints points;
+    const std::vector<Point3> before = preparing::local_points(cloud, frame);
+    std::vector<Point3> points;
     if (way == Smoothing::jet) {
       points = onto_jets(before, k, context);
     } else {
@@ -93,9 +96,8 @@ Result<PointCloud> smoothed(const PointCloud& cloud, Smoothing way, std::size_t 
     raw.normals = cloud.normals;
     raw.colors = cloud.colors;
     for (std::size_t v = 0; v < points.size(); ++v) {
-      const Kernel::Point_3& p = points[v];
-      const Point3 moved = frame.to_input({p.x(), p.y(), p.z()});
-      raw.positions.push_back(is_finite(moved) && p != before[v] ? moved : cloud.positions[v]);
+      const Point3 moved = frame.to_input(points[v]);
+      raw.positions.push_back(is_finite(moved) && points[v] != before[v] ? moved : cloud.positions[v]);
     }
     return make_cloud(std::move(raw), context.threads());
   });

@@ -29,7 +29,7 @@ Json spacings(double minimum, const char* title, const char* text) {
           {"x-unit", "point spacings"}};
 }
 
-Json parameter_properties() {
+Json alpha_wrap_properties() {
   return Json{{"alpha", spacings(0.5, "Size of the openings that stay closed",
                                  "Larger wraps more coarsely and closes wider gaps; where it is below the widest gap "
                                  "between points the wrap leaks inside. auto is the least of 12, 6 and 3 that does not "
@@ -57,7 +57,7 @@ Method alpha_wrap_method() {
                                "An open sheet becomes a thin closed body, wrapped from both sides.",
                                "Outliers are wrapped too; hollows without an opening are filled.",
                                "Detail smaller than alpha is lost."},
-               .parameters = schema_of(parameter_properties())},
+               .parameters = schema_of(alpha_wrap_properties())},
       .interpolates = false,
       .engine = run_alpha_wrap};
 }

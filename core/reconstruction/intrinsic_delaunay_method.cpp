@@ -9,13 +9,11 @@
 namespace surfaced {
 namespace {
 
-using Parameters = IntrinsicDelaunayParameters;
-
-Parameters parameters_of(const Json& json) {
-  Parameters parameters;
+IntrinsicDelaunayParameters intrinsic_delaunay_parameters(const Json& json) {
+  IntrinsicDelaunayParameters parameters;
   if (json.at("epsilon").is_number()) parameters.epsilon = json.at("epsilon").get<double>();
   if (json.at("max_edge").is_number()) parameters.max_edge = json.at("max_edge").get<double>();
-  if (json.at("fill_holes") == "none") parameters.fill_holes = Parameters::FillHoles::none;
+  if (json.at("fill_holes") == "none") parameters.fill_holes = IntrinsicDelaunayParameters::FillHoles::none;
   return parameters;
 }
 
@@ -33,7 +31,7 @@ Status flip_filled(Reconstruction& made, Context& context) {
 Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Json& parameters, Context& context) {
   Json upsampling = nullptr;
   Result<IntrinsicDelaunayResult> result =
-      reconstruct_upsampled(cloud, parameters_of(parameters), parameters, upsampling, context);
+      reconstruct_upsampled(cloud, intrinsic_delaunay_parameters(parameters), parameters, upsampling, context);
   if (!result) return std::move(result).error();
   Json statistics = statistics_json(result->statistics.front);
   statistics["flips"] = result->statistics.flips;
@@ -51,7 +49,7 @@ Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Jso
   return made;
 }
 
-Json parameter_properties() {
+Json intrinsic_delaunay_properties() {
   return Json{
       {"epsilon",
        {{"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"exclusiveMinimum", 0}, {"maximum", 1e30}}}},
@@ -85,7 +83,7 @@ Method intrinsic_delaunay_method() {
                .limitations = {"Closedness is reported, not promised.",
                                "The mesh may intersect itself where parts come closer than the points are dense.",
                                "Points may stay unused; the report counts them."},
-               .parameters = schema_of(parameter_properties()),
+               .parameters = schema_of(intrinsic_delaunay_properties()),
                .makes_cloud = true},
       .interpolates = true,
       .certified = true,

@@ -7,22 +7,20 @@
 namespace surfaced {
 namespace {
 
-using Parameters = LocalDelaunayParameters;
-
-Parameters parameters_of(const Json& json) {
-  Parameters parameters;
+LocalDelaunayParameters local_delaunay_parameters(const Json& json) {
+  LocalDelaunayParameters parameters;
   parameters.neighbours = json.at("neighbours").get<std::size_t>();
-  if (json.at("star") == "unfolded") parameters.star = Parameters::Star::unfolded;
-  if (json.at("star") == "projected") parameters.star = Parameters::Star::projected;
-  if (json.at("angle") == "projected") parameters.angle = Parameters::Angle::projected;
+  if (json.at("star") == "unfolded") parameters.star = LocalDelaunayParameters::Star::unfolded;
+  if (json.at("star") == "projected") parameters.star = LocalDelaunayParameters::Star::projected;
+  if (json.at("angle") == "projected") parameters.angle = LocalDelaunayParameters::Angle::projected;
   if (json.at("max_edge").is_number()) parameters.max_edge = json.at("max_edge").get<double>();
-  if (json.at("seed") == "paper") parameters.seed = Parameters::Seed::paper;
-  if (json.at("fill_holes") == "none") parameters.fill_holes = Parameters::FillHoles::none;
+  if (json.at("seed") == "paper") parameters.seed = LocalDelaunayParameters::Seed::paper;
+  if (json.at("fill_holes") == "none") parameters.fill_holes = LocalDelaunayParameters::FillHoles::none;
   return parameters;
 }
 
 Result<Reconstruction> run_local_delaunay(const PointCloud& cloud, const Json& parameters, Context& context) {
-  Result<LocalDelaunayResult> result = local_delaunay(cloud, parameters_of(parameters), context);
+  Result<LocalDelaunayResult> result = local_delaunay(cloud, local_delaunay_parameters(parameters), context);
   if (!result) return std::move(result).error();
   Reconstruction made{.mesh = std::move(result->mesh),
                       .warnings = std::move(result->warnings),
@@ -52,7 +50,7 @@ Json star_properties() {
          "best on smooth scans; projected is the paper's."}}}};
 }
 
-Json parameter_properties() {
+Json local_delaunay_properties() {
   Json properties = star_properties();
   properties["angle"] = {{"enum", {"spatial", "projected"}},
                          {"default", "spatial"},
@@ -85,7 +83,7 @@ Method local_delaunay_method() {
                    .limitations = {"Closedness is reported, not promised.",
                                    "The mesh may intersect itself where parts come closer than the points are dense.",
                                    "Points may stay unused; the report counts them."},
-                   .parameters = schema_of(parameter_properties())},
+                   .parameters = schema_of(local_delaunay_properties())},
           .interpolates = true,
           .engine = run_local_delaunay};
 }

@@ -31,12 +31,12 @@ Result<Reconstruction> run_poisson(const PointCloud& cloud, const Json& paramete
   return result;
 }
 
-Json spacings(double minimum, double maximum, double value, const char* title, const char* text) {
+Json in_spacings(double minimum, double maximum, double value, const char* title, const char* text) {
   return {{"type", "number"}, {"minimum", minimum},  {"maximum", maximum},        {"default", value},
           {"title", title},   {"description", text}, {"x-unit", "point spacings"}};
 }
 
-Json parameter_properties() {
+Json poisson_properties() {
   return Json{
       {"trim",
        {{"oneOf",
@@ -49,9 +49,9 @@ Json parameter_properties() {
          "auto is 6."},
         {"x-unit", "point spacings"}}},
       {"facet_radius",
-       spacings(0.25, 100, 2, "Size of the triangles", "Largest radius of the balls around the triangles.")},
-      {"facet_distance", spacings(0.01, 100, 0.25, "Deviation of the triangles",
-                                  "Largest distance of a triangle's centre from the surface of the method.")}};
+       in_spacings(0.25, 100, 2, "Size of the triangles", "Largest radius of the balls around the triangles.")},
+      {"facet_distance", in_spacings(0.01, 100, 0.25, "Deviation of the triangles",
+                                     "Largest distance of a triangle's centre from the surface of the method.")}};
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ Method poisson_method() {
                     "It is as good as its normals: parts whose normals are turned the wrong way are lost.",
                     "Fewer than 10 points without normals are refused, and all points in one plane. A part of which "
                     "no surface is found is missing, with a warning that counts its points."},
-               .parameters = schema_of(parameter_properties())},
+               .parameters = schema_of(poisson_properties())},
       .interpolates = false,
       .engine = run_poisson};
 }

@@ -15,7 +15,7 @@ Result<Reconstruction> run_scale_space(const PointCloud& cloud, const Json& para
   return result;
 }
 
-Json parameter_properties() {
+Json scale_space_properties() {
   return Json{{"iterations",
                {{"type", "integer"},
                 {"minimum", 0},
@@ -51,7 +51,7 @@ Method scale_space_method() {
                                "Closedness is reported, not promised.",
                                "The mesh may intersect itself, since its points move back after it was made.",
                                "Points may stay unused; the report counts them."},
-               .parameters = schema_of(parameter_properties())},
+               .parameters = schema_of(scale_space_properties())},
       .interpolates = true,
       .engine = run_scale_space};
 }

@@ -153,7 +153,7 @@ Response execute(Request& request, JobService& service, const RouteOptions& opti
       seat ? std::move(*seat) : nullptr);
 }
 
-Response list_jobs(const Request& request, JobService& service) {
+Response list_ogc_jobs(const Request& request, JobService& service) {
   const auto page = read_ogc_page(request);
   if (!page) return ogc::problem(page.error(), request);
   const auto found = service.list(page->filter, page->limit, page->cursor);
@@ -190,7 +190,7 @@ void add_ogc_routes(http::Router& router, JobService& service, const RouteOption
   router.add("GET", "/processes/{id}", get_process);
   router.add("POST", "/processes/{id}/execution",
              [&service, options](Request& request) { return execute(request, service, options); });
-  router.add("GET", "/jobs", [&service](Request& request) { return list_jobs(request, service); });
+  router.add("GET", "/jobs", [&service](Request& request) { return list_ogc_jobs(request, service); });
   router.add("GET", "/jobs/{id}", [&service](Request& request) {
     const auto job = service.find(request.path_parts.at("id"));
     return job ? status_response(200, *job) : ogc::problem(job.error(), request);

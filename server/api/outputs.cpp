@@ -29,7 +29,7 @@ std::string names_of(const auto& kinds) {
   return names;
 }
 
-bool is_among(const auto& kinds, std::string_view name) {
+bool is_kind_among(const auto& kinds, std::string_view name) {
   return std::ranges::find(kinds, name, &OutputKind::name) != kinds.end();
 }
 
@@ -50,7 +50,7 @@ int quality_of_kind(const std::vector<http::MediaRange>& ranges, const OutputKin
 
 std::span<const OutputKind> mesh_kinds() { return kMeshes; }
 
-bool is_mesh(std::string_view output) { return is_among(kMeshes, output); }
+bool is_mesh(std::string_view output) { return is_kind_among(kMeshes, output); }
 
 std::string_view media_type_of(std::string_view output) {
   const auto* mesh = std::ranges::find(kMeshes, output, &OutputKind::name);
@@ -64,7 +64,7 @@ Result<std::vector<std::string>> outputs_for(std::span<const std::string> names,
   std::vector<std::string> outputs;
   bool points = false;
   for (const std::string& name : names) {
-    if (is_among(kOthers, name)) continue;
+    if (is_kind_among(kOthers, name)) continue;
     if (name == kPoints.name) {
       if (Status made = check_makes_cloud(method); !made.ok()) return std::move(made).error();
       points = true;

@@ -14,8 +14,8 @@ namespace surfaced {
 namespace {
 
 /// A removal holds it for as long as a few files take.
-constexpr std::chrono::seconds kPatience{10};
-constexpr std::chrono::milliseconds kPause{2};
+constexpr std::chrono::seconds kLeasePatience{10};
+constexpr std::chrono::milliseconds kLeasePause{2};
 
 Result<UniqueFd> open_lock(const std::filesystem::path& data) {
   UniqueFd fd(::open((data / "backup.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
@@ -28,13 +28,13 @@ Result<UniqueFd> open_lock(const std::filesystem::path& data) {
 Result<BackupLease> BackupLease::take(const std::filesystem::path& data) {
   auto fd = open_lock(data);
   if (!fd) return std::move(fd).error();
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  const auto deadline = std::chrono::steady_clock::now() + kLeasePatience;
   while (::flock(fd->get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return system_error("lock backup.lock", errno);
     if (std::chrono::steady_clock::now() > deadline) {
       return Error{ErrorCode::not_ready, "another backup of " + data.string() + " is being made"};
     }
-    std::this_thread::sleep_for(kPause);
+    std::this_thread::sleep_for(kLeasePause);
   }
   return BackupLease(std::move(*fd));
 }

@@ -13,15 +13,15 @@ namespace surfaced {
 namespace {
 
 /// A child that was being started when its server was killed holds the lock until its exec.
-constexpr std::chrono::milliseconds kPatience{1000};
-constexpr std::chrono::milliseconds kPause{10};
+constexpr std::chrono::milliseconds kLockPatience{1000};
+constexpr std::chrono::milliseconds kLockPause{10};
 
 /// 0, or the error number.
 int lock_soon(int fd) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  const auto deadline = std::chrono::steady_clock::now() + kLockPatience;
   while (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK || std::chrono::steady_clock::now() > deadline) return errno;
-    std::this_thread::sleep_for(kPause);
+    std::this_thread::sleep_for(kLockPause);
   }
   return 0;
 }

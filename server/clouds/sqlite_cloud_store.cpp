@@ -12,7 +12,7 @@ namespace {
 using namespace sqlite;
 using Json = nlohmann::ordered_json;
 
-constexpr std::chrono::milliseconds kPatience{2'000};
+constexpr std::chrono::milliseconds kDatabasePatience{2'000};
 
 CloudStatus status_named(const std::string& name) {
   if (name == "ready") return CloudStatus::ready;
@@ -67,7 +67,7 @@ Error unknown_cloud(std::string_view id) {
 
 class SqliteCloudStore final : public CloudStore {
  public:
-  explicit SqliteCloudStore(const std::filesystem::path& file) : database_(file, kPatience) {}
+  explicit SqliteCloudStore(const std::filesystem::path& file) : database_(file, kDatabasePatience) {}
 
   Result<Added> add(const StoredInput& input, std::string_view owner, const Allowance& allowance) override {
     return locked([&]() -> Result<Added> {

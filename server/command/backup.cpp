@@ -10,13 +10,13 @@
 namespace surfaced {
 namespace {
 
-struct Options {
+struct BackupOptions {
   std::filesystem::path data;
   std::filesystem::path target;
   bool verify = false;
 };
 
-int tell(const Options& options, const char* done, const Result<BackupContents>& backup) {
+int tell(const BackupOptions& options, const char* done, const Result<BackupContents>& backup) {
   if (!backup) return report_problem(backup.error());
   std::cout << done << " " << backup->jobs << " jobs, " << backup->clouds << " clouds and " << backup->uploads
             << " unfinished uploads: " << backup->files << " files of " << backup->bytes << " bytes in "
@@ -24,7 +24,7 @@ int tell(const Options& options, const char* done, const Result<BackupContents>&
   return 0;
 }
 
-int run_backup(const Options& options) {
+int run_backup(const BackupOptions& options) {
   if (options.verify) return tell(options, "verified", verify_backup(options.target));
   if (options.data.empty()) {
     return report_problem(with_fault({ErrorCode::invalid_usage, "--data is not set: the folder of the service to copy"},
@@ -36,7 +36,7 @@ int run_backup(const Options& options) {
 }  // namespace
 
 void add_backup(CLI::App& app, Run& run) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BackupOptions>();
   CLI::App* command = app.add_subcommand("backup", "Copy the data folder of a service, which may be running");
   command->add_option("TARGET", options->target, "New folder; a service can be started on it")->required();
   command->add_option("--data", options->data, "Folder of the service")->envname("SURFACED_DATA");

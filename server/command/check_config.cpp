@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct CheckOptions {
   Sources sources;
   std::string file;
   bool as_json = false;
@@ -49,7 +49,7 @@ void check_tls(Configuration& configuration) {
   if (!tls) configuration.refuse(tls.error().detail, tls.error().fault);
 }
 
-int check(Options& options) {
+int check(CheckOptions& options) {
   if (!options.file.empty()) options.sources.file = options.file;
   use_environment(options.sources);
   Configuration configuration = read_configuration(options.sources);
@@ -63,7 +63,7 @@ int check(Options& options) {
 }  // namespace
 
 void add_check_config(CLI::App& app, Run& run) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CheckOptions>();
   CLI::App* command =
       app.add_subcommand("check-config", "Show every setting of the service, where it comes from, and what is wrong");
   command->add_option("FILE", options->file, "File with settings, as for serve --config");

@@ -13,14 +13,14 @@
 namespace surfaced {
 namespace {
 
-struct Options {
+struct MeasureOptions {
   std::string mesh;
   std::string cloud;
   std::string report = "-";
   bool self_intersections = false;
 };
 
-int measure(const Options& options) {
+int measure(const MeasureOptions& options) {
   Context context(std::max(1U, std::thread::hardware_concurrency()), progress_bar());
   const std::optional<std::filesystem::path> cloud =
       options.cloud.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.cloud);
@@ -36,7 +36,7 @@ int measure(const Options& options) {
 }  // namespace
 
 void add_measure(CLI::App& app, Run& run) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MeasureOptions>();
   CLI::App* command = app.add_subcommand("measure", "Measure the quality of any mesh");
   command->add_option("MESH", options->mesh, "Mesh: GLB, glTF, Draco, PLY, OBJ, STL or 3MF, told by content")
       ->required();

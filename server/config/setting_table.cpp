@@ -10,7 +10,7 @@
 namespace surfaced {
 namespace {
 
-constexpr std::uint64_t kDay = std::uint64_t{24} * 3600;
+constexpr std::uint64_t kSecondsADay = std::uint64_t{24} * 3600;
 using S = Settings;
 
 const auto kTable = std::to_array<Setting>({
@@ -21,15 +21,16 @@ const auto kTable = std::to_array<Setting>({
     {"log-level", SettingUnit::text, "debug|info|warning|error", 0, 0, "What is worth a line", &S::log_level},
     {"workers", SettingUnit::count, "", 0, 1024, "Jobs that run at once; 0: as many as cores", &S::workers},
     {"threads-per-job", SettingUnit::count, "", 0, 1024, "Threads a job may use; 0: all cores", &S::threads_per_job},
-    {"job-time-limit", SettingUnit::seconds, "", 1, 30 * kDay, "Time a job may run", &S::job_time_limit},
+    {"job-time-limit", SettingUnit::seconds, "", 1, 30 * kSecondsADay, "Time a job may run", &S::job_time_limit},
     {"job-memory", SettingUnit::bytes, "", 0, kMostBytes,
      "Memory a job may use; 0: three quarters of the machine's over the workers", &S::job_memory},
     {"job-output", SettingUnit::bytes, "", 1 << 20, kMostBytes,
      "Size of any file that a job writes, and of all its files together", &S::job_output},
     {"max-points", SettingUnit::count, "", 1, 4'000'000'000, "Points a cloud may have", &S::max_points},
     {"queue-limit", SettingUnit::count, "", 1, 1'000'000, "Jobs that may wait; more are answered 503", &S::queue_limit},
-    {"ttl", SettingUnit::seconds, "", 1, 365 * kDay, "Time that a job and its files are kept after its end", &S::ttl},
-    {"gone-time", SettingUnit::seconds, "", 0, 365 * kDay, "Time that the id of a removed job answers 410",
+    {"ttl", SettingUnit::seconds, "", 1, 365 * kSecondsADay, "Time that a job and its files are kept after its end",
+     &S::ttl},
+    {"gone-time", SettingUnit::seconds, "", 0, 365 * kSecondsADay, "Time that the id of a removed job answers 410",
      &S::gone_time},
     {"lease", SettingUnit::seconds, "", 3, 3600, "Silence after which a running job counts as lost", &S::lease},
     {"minimum-free", SettingUnit::bytes, "", 0, kMostBytes,
@@ -95,13 +96,13 @@ const auto kTable = std::to_array<Setting>({
      "and "
      "pages of other sites too",
      &S::allowed_hosts},
-    {"upload-time", SettingUnit::seconds, "", 1, 30 * kDay, "Time that an upload is kept without progress",
+    {"upload-time", SettingUnit::seconds, "", 1, 30 * kSecondsADay, "Time that an upload is kept without progress",
      &S::upload_time},
     {"uploads", SettingUnit::count, "", 1, 1'000'000, "Unfinished uploads at once; more are answered 503", &S::uploads},
     {"uploads-per-client", SettingUnit::count, "", 0, 1'000'000,
      "Of these, of one key, or of one address that is not loopback; more are answered 429; 0: no limit",
      &S::uploads_per_client},
-    {"cloud-time", SettingUnit::seconds, "", 0, 3650 * kDay,
+    {"cloud-time", SettingUnit::seconds, "", 0, 3650 * kSecondsADay,
      "Time that a stored cloud is kept which nobody sends and no job uses; 0: until it is deleted", &S::cloud_time},
     {"webhook-secret", SettingUnit::path, "", 0, 0, "File of the key that signs webhooks; none: no webhooks",
      &S::webhook_secret},

@@ -11,13 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxBoundary = 70;
 
-Error refuse(const std::string& what) { return {ErrorCode::invalid_request, "the multipart body " + what}; }
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
+Error malformed_part(const std::string& what) { return {ErrorCode::invalid_request, "the multipart body " + what}; }
 
 /// The next `; name=value` of a header field; a quoted value may hold anything, with \ before " and \.
 struct Parameter {
@@ -50,7 +44,7 @@ std::optional<Parameter> take_parameter(std::string_view& text) {
 
 Result<Part> part_of(std::string_view disposition) {
   const std::string_view kind = trimmed(disposition.substr(0, disposition.find(';')));
-  if (!same_name(kind, "form-data")) return refuse("has a part that is no form-data");
+  if (!same_name(kind, "form-data")) return malformed_part("has a part that is no form-data");
   disposition.remove_prefix(std::min(disposition.size(), disposition.find(';')));
   Part part;
   bool named = false;
@@ -62,7 +56,7 @@ Result<Part> part_of(std::string_view disposition) {
       part.is_file = true;
     }
   }
-  if (!named || part.name.empty()) return refuse("has a part without a name");
+  if (!named || part.name.empty()) return malformed_part("has a part without a name");
   return part;
 }
 
@@ -99,7 +93,7 @@ Status MultipartReader::feed(std::span<const std::byte> bytes) {
 
 Status MultipartReader::finish() const {
   if (state_ == State::over) return Done{};
-  return refuse("ends before its last boundary");
+  return malformed_part("ends before its last boundary");
 }
 
 Result<bool> MultipartReader::step() {
@@ -122,7 +116,7 @@ Result<bool> MultipartReader::step() {
 Result<bool> MultipartReader::skip_preamble() {
   const std::size_t at = buffer_.find(delimiter_);
   if (at == buffer_.npos) {
-    if (buffer_.size() > kMaxHead) return refuse("does not begin with the boundary that Content-Type gives");
+    if (buffer_.size() > kMaxHead) return malformed_part("does not begin with the boundary that Content-Type gives");
     return false;
   }
   buffer_.erase(0, at + delimiter_.size());
@@ -134,7 +128,7 @@ Result<bool> MultipartReader::after_boundary() {
   // Blanks may follow a boundary, before the end of its line or of everything.
   const std::size_t text = buffer_.find_first_not_of(" \t");
   if (text == buffer_.npos || buffer_.size() < text + 2) {
-    if (buffer_.size() > kMaxHead) return refuse("has a boundary whose line does not end");
+    if (buffer_.size() > kMaxHead) return malformed_part("has a boundary whose line does not end");
     return false;
   }
   const std::string_view next = std::string_view(buffer_).substr(text, 2);
@@ -142,8 +136,8 @@ Result<bool> MultipartReader::after_boundary() {
     state_ = State::over;
     return true;
   }
-  if (next != "\r\n") return refuse("has a boundary with something behind it");
-  if (++parts_ > kMaxParts) return refuse("has more than " + std::to_string(kMaxParts) + " parts");
+  if (next != "\r\n") return malformed_part("has a boundary with something behind it");
+  if (++parts_ > kMaxParts) return malformed_part("has more than " + std::to_string(kMaxParts) + " parts");
   // The line break stays: it ends the empty head of a part without fields.
   buffer_.erase(0, text);
   state_ = State::head;
@@ -153,7 +147,7 @@ Result<bool> MultipartReader::after_boundary() {
 Result<bool> MultipartReader::read_head() {
   const std::size_t end = buffer_.find("\r\n\r\n");
   if (std::min(end, buffer_.size()) > kMaxHead) {
-    return refuse("has a part whose head has more than " + std::to_string(kMaxHead) + " bytes");
+    return malformed_part("has a part whose head has more than " + std::to_string(kMaxHead) + " bytes");
   }
   if (end == buffer_.npos) return false;
   std::string_view head = std::string_view(buffer_).substr(0, end);
@@ -163,10 +157,10 @@ Result<bool> MultipartReader::read_head() {
     const std::string_view line = head.substr(0, head.find("\r\n"));
     head.remove_prefix(line.size());
     const std::size_t colon = line.find(':');
-    if (colon == line.npos) return refuse("has a part with a header line without a colon");
+    if (colon == line.npos) return malformed_part("has a part with a header line without a colon");
     if (same_name(line.substr(0, colon), "Content-Disposition")) disposition = line.substr(colon + 1);
   }
-  if (!disposition) return refuse("has a part without Content-Disposition");
+  if (!disposition) return malformed_part("has a part without Content-Disposition");
   const auto part = part_of(*disposition);
   if (!part) return part.error();
   buffer_.erase(0, end + 4);
