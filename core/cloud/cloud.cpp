@@ -3,42 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "base/parallel.hpp"
+#include "cloud/measurements.hpp"
 #include "cloud/order.hpp"
 
 namespace surfaced {
 namespace {
-
-constexpr double kFloatMax = static_cast<double>(std::numeric_limits<float>::max());
-
-/// The shortest text that is this value.
-std::string value_text(double value) {
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
-
-/// First coordinate that no mesh file could hold, or success. Turns -0 into +0.
-Status check_and_clean(std::vector<Point3>& positions) {
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      double& x = positions[i][axis];
-      if (std::abs(x) <= kFloatMax) {
-        x += 0.0;
-        continue;
-      }
-      const std::string where = std::string("point ") + std::to_string(i) + ": " + "xyz"[axis] + " = " + value_text(x);
-      if (!std::isfinite(x)) return Error{ErrorCode::coordinate_not_finite, where + " is not a finite number"};
-      return Error{ErrorCode::coordinate_out_of_range,
-                   where + " exceeds the largest float32, " + value_text(kFloatMax)};
-    }
-  }
-  return Done{};
-}
 
 bool usable(const Normal3& n) {
   const double length =
@@ -111,12 +84,16 @@ Bounds bounds_of(const std::vector<Point3>& positions) {
   return bounds;
 }
 
-Result<PointCloud> make_cloud(RawCloud raw, unsigned threads) {
-  if (Status checked = check_and_clean(raw.positions); !checked) return std::move(checked).error();
+Result<PointCloud> make_cloud(RawCloud raw, unsigned threads, Missing missing) {
+  const std::size_t rows = raw.size();
+  const Result<std::vector<std::uint32_t>> kept = keep_measured(raw, missing);
+  if (!kept) return kept.error();
   drop_bad_normals(raw);
   const std::vector<Entry> entries = canonical_order(raw, threads);
   PointCloud cloud;
   cloud.warnings = std::move(raw.warnings);
+  cloud.source = std::move(raw.source);
+  cloud.missing = rows - raw.size();
   cloud.positions.resize(raw.size());
   parallel_ranges(threads, raw.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) cloud.positions[i] = raw.positions[entries[i].input];
@@ -125,6 +102,11 @@ Result<PointCloud> make_cloud(RawCloud raw, unsigned threads) {
   merge_duplicates(raw, entries, cloud);
   if (cloud.size() < entries.size()) {
     cloud.warnings.push_back(std::to_string(entries.size() - cloud.size()) + " duplicate points merged");
+  }
+  if (cloud.missing > 0) {
+    std::vector<VertexIndex> of_rows(rows);
+    for (std::size_t i = 0; i < kept->size(); ++i) of_rows[(*kept)[i]] = cloud.input_to_vertex[i];
+    cloud.input_to_vertex = std::move(of_rows);
   }
   return cloud;
 }

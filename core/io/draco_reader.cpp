@@ -167,7 +167,9 @@ Status read_triangles(const draco::Mesh& mesh, std::string_view name, std::vecto
 Result<RawCloud> read_draco_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits) {
   const Result<DracoGeometry> geometry = decode_draco(bytes, name, limits.max_points);
   if (!geometry) return geometry.error();
-  return read_points(*geometry->points, choose(*geometry->points, {}), name);
+  Result<RawCloud> cloud = read_points(*geometry->points, choose(*geometry->points, {}), name);
+  if (cloud && geometry->mesh != nullptr) cloud->source.faces = geometry->mesh->num_faces();
+  return cloud;
 }
 
 Result<TriangleMesh> read_draco_mesh(std::span<const std::byte> bytes, std::string_view name,

@@ -2,6 +2,7 @@
 // The formats behind io.hpp: one reader and one writer each.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,10 +17,12 @@ namespace surfaced::io {
 using Bytes = std::vector<std::byte>;
 
 /// Readers of a format may throw bad_alloc and length_error; io.cpp, the room's wall, catches them.
-Result<RawCloud> read_ply_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
+Result<RawCloud> read_ply_cloud(ByteSource& source, std::string_view name, const ReadOptions& options);
 Result<TriangleMesh> read_ply_mesh(ByteSource& source, std::string_view name, std::vector<std::string>& warnings);
+/// Files that a glTF names, by their relative paths; none where only the file itself may be read.
+using Beside = std::function<Result<Bytes>(const std::string& path)>;
 Result<TriangleMesh> read_gltf_mesh(std::span<const std::byte> bytes, std::string_view name,
-                                    std::vector<std::string>& warnings);
+                                    std::vector<std::string>& warnings, const Beside& beside);
 
 /// Unique ids of the attributes of a Draco file, as a glTF names them.
 struct DracoIds {
@@ -33,12 +36,15 @@ Result<RawCloud> read_draco_cloud(std::span<const std::byte> bytes, std::string_
 Result<TriangleMesh> read_draco_mesh(std::span<const std::byte> bytes, std::string_view name,
                                      const std::optional<DracoIds>& ids, std::vector<std::string>& warnings);
 
-Result<RawCloud> read_gltf_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits);
-Result<RawCloud> read_las_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
+Result<RawCloud> read_gltf_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits,
+                                 const Beside& beside);
+Result<RawCloud> read_las_cloud(ByteSource& source, std::string_view name, const ReadOptions& options);
 Result<RawCloud> read_pcd_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
 Result<RawCloud> read_obj_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
 Result<TriangleMesh> read_obj_mesh(ByteSource& source, std::string_view name, std::vector<std::string>& warnings);
-Result<RawCloud> read_text_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits);
+/// Whether text has rows of numbers, whatever else is wrong with it.
+bool looks_like_table(ByteSource& source);
+Result<RawCloud> read_text_cloud(ByteSource& source, std::string_view name, const ReadOptions& options);
 
 /// STL has no magic: a binary file is told by its length, or by zeros among the first bytes after 'solid'.
 enum class StlKind : std::uint8_t { ascii, binary };
@@ -51,7 +57,6 @@ Result<TriangleMesh> read_stl_mesh(ByteSource& source, std::string_view name, St
 /// Whether text begins as these formats do.
 bool looks_like_pcd(std::string_view start);
 bool looks_like_obj(std::string_view start);
-bool looks_like_text_cloud(std::string_view start);
 
 /// The limit on points, and the error of a file that has more.
 std::uint64_t most_points(const ReadLimits& limits);

@@ -8,6 +8,7 @@
 
 #include "io/meshopt.hpp"
 #include "io/scalars.hpp"
+#include "io/strangers.hpp"
 #include "io/text.hpp"
 
 namespace surfaced::io {
@@ -74,11 +75,12 @@ bool is_fallback(const Json& buffer) {
 
 }  // namespace
 
-GltfDocument::GltfDocument(std::span<const std::byte> bytes, std::string_view name) : name_(name) {
+GltfDocument::GltfDocument(std::span<const std::byte> bytes, std::string_view name, const Beside& beside)
+    : name_(name), size_(bytes.size()) {
   const bool binary = bytes.size() >= 4 && load_little<std::uint32_t>(bytes.data()) == kGlbMagic;
   parse_json(binary ? split_glb(bytes) : bytes);
-  load_buffers();
-  unpack_views(bytes.size());
+  load_buffers(beside);
+  unpack_views(size_);
 }
 
 void GltfDocument::refuse(ErrorCode code, const std::string& what) const {
@@ -135,8 +137,8 @@ void GltfDocument::parse_json(std::span<const std::byte> text) {
     malformed("its JSON holds a number beyond the range of double");
   }
   if (!json_.is_object()) malformed("its JSON is no object");
+  check_is_gltf({begin, text.size()});
   const Json& asset = member(json_, "asset");
-  if (!asset.is_object()) malformed("'asset' is missing");
   const Json& version = member(asset, "version");
   if (!version.is_string()) malformed("'asset.version' is missing");
   if (!version.get_ref<const std::string&>().starts_with("2.")) {
@@ -144,7 +146,14 @@ void GltfDocument::parse_json(std::span<const std::byte> text) {
   }
 }
 
-void GltfDocument::load_buffers() {
+/// Other JSON is named for what it is.
+void GltfDocument::check_is_gltf(std::string_view text) const {
+  if (member(json_, "asset").is_object()) return;
+  throw Refusal{{ErrorCode::unknown_format, std::string(name_) + " is " + json_stranger(text.substr(0, 4096)) +
+                                                " (a glTF has an object 'asset')"}};
+}
+
+void GltfDocument::load_buffers(const Beside& beside) {
   const Json& buffers = member(json_, "buffers");
   if (buffers.is_null()) return;
   if (!buffers.is_array()) malformed("'buffers' is no array");
@@ -154,7 +163,7 @@ void GltfDocument::load_buffers() {
     const Json& uri = member(buffers[i], "uri");
     std::span<const std::byte> data;
     if (uri.is_string()) {
-      data = load_uri(uri.get_ref<const std::string&>(), i);
+      data = load_uri(uri.get_ref<const std::string&>(), i, beside);
     } else if (i == 0 && has_binary_ && uri.is_null()) {
       data = binary_;
     } else if (uri.is_null() && is_fallback(buffers[i])) {
@@ -171,11 +180,19 @@ void GltfDocument::load_buffers() {
   }
 }
 
-std::span<const std::byte> GltfDocument::load_uri(const std::string& uri, std::size_t buffer) {
+std::span<const std::byte> GltfDocument::load_uri(const std::string& uri, std::size_t buffer, const Beside& beside) {
   constexpr std::string_view kMark = ";base64,";
   const std::string which = "buffer " + std::to_string(buffer);
   if (!uri.starts_with("data:")) {
-    unsupported(which + " lies in another file, " + in_quotes(uri) + "; embed it, or write a GLB");
+    if (!beside) {
+      unsupported(which + " lies in another file, " + in_quotes(uri) +
+                  "; send both in one ZIP archive, embed it, or write a GLB");
+    }
+    Result<Bytes> bytes = beside(uri);
+    if (!bytes) throw Refusal{std::move(bytes).error()};
+    decoded_[buffer] = std::move(*bytes);
+    size_ += decoded_[buffer].size();
+    return decoded_[buffer];
   }
   const std::size_t mark = uri.find(kMark);
   if (mark == std::string::npos) unsupported(which + " is a data URI without base64");

@@ -34,7 +34,11 @@ struct Elements {
 class GltfDocument {
  public:
   /// GLB or JSON text. @throws Refusal
-  GltfDocument(std::span<const std::byte> bytes, std::string_view name);
+  /// @param beside  gives the files that buffers lie in; without it such buffers are refused.
+  GltfDocument(std::span<const std::byte> bytes, std::string_view name, const Beside& beside);
+
+  /// Bytes of the file and of the buffers beside it.
+  std::size_t size() const { return size_; }
 
   const nlohmann::json& json() const { return json_; }
   std::string_view name() const { return name_; }
@@ -63,13 +67,15 @@ class GltfDocument {
  private:
   std::span<const std::byte> split_glb(std::span<const std::byte> bytes);
   void parse_json(std::span<const std::byte> text);
-  void load_buffers();
+  void load_buffers(const Beside& beside);
   void unpack_views(std::size_t file_size);
   void unpack_view(std::size_t index, const nlohmann::json& packed, std::uint64_t& room);
   std::span<const std::byte> bytes_within(const nlohmann::json& view, const std::string& which) const;
-  std::span<const std::byte> load_uri(const std::string& uri, std::size_t buffer);
+  std::span<const std::byte> load_uri(const std::string& uri, std::size_t buffer, const Beside& beside);
+  void check_is_gltf(std::string_view text) const;
 
   std::string_view name_;
+  std::size_t size_;
   nlohmann::json json_;
   std::span<const std::byte> binary_;
   bool has_binary_ = false;

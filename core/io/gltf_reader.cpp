@@ -59,6 +59,9 @@ class SceneReader {
         most_triangles_(kTrianglesPerByte * std::max<std::uint64_t>(file_size, kSmallFile)),
         warnings_(warnings) {}
 
+  /// Triangles, whether or not they are taken.
+  std::uint64_t faces() const { return faces_; }
+
   TriangleMesh run() {
     check_extensions();
     struct Visit {
@@ -155,8 +158,19 @@ class SceneReader {
       return;
     }
     const VertexSpan vertices = add_vertices(document_.member(primitive, "attributes"), transform);
-    if (taken_ == Taken::points) return;
+    if (taken_ == Taken::points) {
+      faces_ +=
+          mode >= kTriangles && mode <= kFan ? faces_of(document_.member(primitive, "indices"), mode, vertices) : 0;
+      return;
+    }
     add_triangles(document_.member(primitive, "indices"), mode, vertices, transform.determinant() < 0);
+  }
+
+  /// Triangles of a primitive whose vertices alone are taken.
+  std::uint64_t faces_of(const Json& indices_of, std::uint64_t mode, const VertexSpan& vertices) const {
+    const std::size_t corners =
+        indices_of.is_null() ? vertices.count : document_.accessor(document_.whole(indices_of, "indices")).count;
+    return mode == kTriangles ? corners / 3 : corners < 3 ? 0 : corners - 2;
   }
 
   /// KHR_draco_mesh_compression: the primitive's triangles and attributes lie in a Draco file.
@@ -178,6 +192,7 @@ class SceneReader {
     for (const Point3& p : part->positions) mesh_.positions.push_back(transform(p));
     for (const Normal3& n : part->normals) push_normal(n, transform);
     mesh_.colors.insert(mesh_.colors.end(), part->colors.begin(), part->colors.end());
+    faces_ += part->triangles.size();
     normals_missing_ |= part->normals.empty();
     colors_missing_ |= part->colors.empty();
     for (Triangle t : part->triangles) {
@@ -329,6 +344,7 @@ class SceneReader {
   TriangleMesh mesh_;
   std::map<std::array<std::optional<std::uint64_t>, 3>, VertexSpan> shared_;
   std::size_t degenerate_ = 0;
+  std::uint64_t faces_ = 0;
   std::size_t without_triangles_ = 0;
   bool normals_missing_ = false;
   bool colors_missing_ = false;
@@ -337,20 +353,23 @@ class SceneReader {
 }  // namespace
 
 Result<TriangleMesh> read_gltf_mesh(std::span<const std::byte> bytes, std::string_view name,
-                                    std::vector<std::string>& warnings) {
+                                    std::vector<std::string>& warnings, const Beside& beside) {
   try {
-    const GltfDocument document(bytes, name);
-    return SceneReader(document, bytes.size(), Taken::triangles, warnings).run();
+    const GltfDocument document(bytes, name, beside);
+    return SceneReader(document, document.size(), Taken::triangles, warnings).run();
   } catch (Refusal& refusal) {
     return std::move(refusal.error);
   }
 }
 
-Result<RawCloud> read_gltf_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits) {
+Result<RawCloud> read_gltf_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits,
+                                 const Beside& beside) {
   try {
     RawCloud cloud;
-    const GltfDocument document(bytes, name);
-    TriangleMesh mesh = SceneReader(document, bytes.size(), Taken::points, cloud.warnings).run();
+    const GltfDocument document(bytes, name, beside);
+    SceneReader reader(document, document.size(), Taken::points, cloud.warnings);
+    TriangleMesh mesh = reader.run();
+    cloud.source.faces = reader.faces();
     if (mesh.positions.size() > most_points(limits)) return too_many(name, mesh.positions.size(), most_points(limits));
     cloud.positions = std::move(mesh.positions);
     cloud.normals = std::move(mesh.normals);

@@ -22,17 +22,54 @@ struct ReadLimits {
   std::uint64_t max_points = 500'000'000;
 };
 
-/// Reads a point cloud: PLY, Draco, LAS, PCD, glTF, OBJ, STL or text (README.md), told by its first bytes.
+enum class Separator : std::uint8_t { guessed, blank, tab, comma, semicolon, bar };
+enum class Decimal : std::uint8_t { guessed, point, comma };
+
+/// How text in rows and columns is to be read; what is not said is guessed (README.md).
+struct TableOptions {
+  /// x, y, z, nx, ny, nz, r, g, b by column, or - for a column to leave, apart by commas; columns beyond them are left.
+  /// Empty: guessed.
+  std::string columns;
+  Separator separator = Separator::guessed;
+  Decimal decimal = Decimal::guessed;
+  /// Lines at the beginning that are passed over.
+  std::size_t skip = 0;
+};
+
+/// Which of the Gaussians of a splat (PLY) are points.
+struct SplatOptions {
+  /// Those of at least this opacity, 0 to 1.
+  std::optional<double> least_opacity;
+  /// Those whose longest half-axis is at most this, in units of the file.
+  std::optional<double> largest_scale;
+};
+
+/// How a cloud is read.
+struct ReadOptions {
+  ReadOptions() = default;
+  ReadOptions(const ReadLimits& most) : limits(most) {}  // NOLINT(google-explicit-constructor): limits alone will do
+
+  ReadLimits limits;
+  TableOptions table;
+  SplatOptions splats;
+  /// LAS: a file that ends before its declared points is read as far as it goes, with a warning.
+  bool take_truncated = false;
+  /// glTF: buffers may lie in other files beside it.
+  bool files_beside = false;
+};
+
+/// Reads a point cloud: PLY, Draco, LAS, PCD, glTF, OBJ, STL, 3MF or text (README.md), told by its first bytes, also in
+/// gzip or a ZIP archive.
 /// Declared counts are checked against the bytes at hand before anything is allocated.
 /// @return  the points in file order; input_unreadable, empty_input, unknown_format, malformed_input,
 ///          truncated_input, missing_positions, unsupported_feature, too_many_points.
 /// Coordinates are not judged here (make_cloud does). Messages call the cloud `name`, or without one by its
 /// file name.
-Result<RawCloud> read_cloud(const std::filesystem::path& path, const ReadLimits& limits = {},
+Result<RawCloud> read_cloud(const std::filesystem::path& path, const ReadOptions& options = {},
                             std::string_view name = {});
 
 /// As read_cloud, from bytes in memory; `name` stands in messages.
-Result<RawCloud> parse_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadLimits& limits = {});
+Result<RawCloud> parse_cloud(std::span<const std::byte> bytes, std::string_view name, const ReadOptions& options = {});
 
 enum class MeshFormat : std::uint8_t { glb, gltf, drc, ply, obj, stl, threemf };
 
@@ -89,7 +126,8 @@ std::vector<Point3> positions_in_stl(const TriangleMesh& mesh);
 /// @return  the mesh, with at least one vertex; errors as of read_cloud.
 Result<TriangleMesh> decode_mesh(std::span<const std::byte> bytes, std::string_view name,
                                  std::vector<std::string>* warnings = nullptr);
-Result<TriangleMesh> read_mesh(const std::filesystem::path& path, std::vector<std::string>* warnings = nullptr);
+Result<TriangleMesh> read_mesh(const std::filesystem::path& path, std::vector<std::string>* warnings = nullptr,
+                               const ReadOptions& options = {}, std::string_view name = {});
 
 /// Writes a point cloud as binary little-endian PLY: float coordinates where float32 holds all of
 /// them exactly, else double.

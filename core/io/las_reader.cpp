@@ -39,12 +39,12 @@ struct LasHeader {
 
 class LasReader {
  public:
-  LasReader(ByteSource& source, std::string_view name, const ReadLimits& limits)
-      : source_(source), name_(name), most_(most_points(limits)) {}
+  LasReader(ByteSource& source, std::string_view name, const ReadOptions& options)
+      : source_(source), name_(name), most_(most_points(options.limits)), take_truncated_(options.take_truncated) {}
 
   Result<RawCloud> run() {
-    const Result<LasHeader> header = read_header();
-    if (!header) return header.error();
+    Result<LasHeader> header = read_header();
+    if (!header) return std::move(header).error();
     if (Status status = check_size(*header); !status) return std::move(status).error();
     if (!source_.skip(header->offset)) return truncated("the file ends before its point records");
     return read_records(*header);
@@ -107,17 +107,29 @@ class LasReader {
     return header;
   }
 
-  /// More points than declared are warned of: a header that was not finished counts too few.
-  Status check_size(const LasHeader& header) {
+  /// Takes fewer points than declared, if that is wanted. More of them than declared are warned of: a header that was
+  /// not finished counts too few.
+  Status check_size(LasHeader& header) {
     const std::uint64_t size = source_.remaining();
     const std::uint64_t end = header.end == 0 ? size : std::min(size, header.end);
     const std::uint64_t room = end < header.offset ? 0 : (end - header.offset) / header.stride;
     const std::string declared =
         "the LAS declares " + std::to_string(header.count) + " points, " + std::to_string(room) + " are there";
-    if (header.count == 0) return error(ErrorCode::empty_input, room == 0 ? "the LAS declares 0 points" : declared);
+    if (header.count == 0 && (room == 0 || !take_truncated_)) {
+      return error(ErrorCode::empty_input,
+                   room == 0 ? "the LAS declares 0 points" : declared + "; truncated=take reads them");
+    }
     if (header.count > most_) return too_many(name_, header.count, most_);
-    if (header.count > room) return truncated(declared);
-    if (header.count < room) warnings_.push_back(declared + "; those beyond the declared ones are left out");
+    if (header.count == 0) {
+      warnings_.push_back(declared + ", all of which are read");
+      header.count = std::min(room, most_);
+    } else if (header.count < room) {
+      warnings_.push_back(declared + "; those beyond the declared ones are left out");
+    } else if (header.count > room) {
+      if (!take_truncated_ || room == 0) return truncated(declared + "; truncated=take reads what is there");
+      warnings_.push_back(declared + ", all of which are read");
+      header.count = room;
+    }
     return Done{};
   }
 
@@ -153,13 +165,14 @@ class LasReader {
   ByteSource& source_;
   std::string_view name_;
   std::uint64_t most_;
+  bool take_truncated_;
   std::vector<std::string> warnings_;
 };
 
 }  // namespace
 
-Result<RawCloud> read_las_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits) {
-  return LasReader(source, name, limits).run();
+Result<RawCloud> read_las_cloud(ByteSource& source, std::string_view name, const ReadOptions& options) {
+  return LasReader(source, name, options).run();
 }
 
 }  // namespace surfaced::io

@@ -51,6 +51,8 @@ class ObjReader {
 
   TriangleMesh mesh;
   std::vector<std::string> warnings;
+  /// Faces that were left aside.
+  std::uint64_t skipped_faces = 0;
 
  private:
   /// A line, with those that it continues in by a '\\' at its end.
@@ -75,7 +77,7 @@ class ObjReader {
   }
 
   Status skip(std::string_view keyword) {
-    if (keyword == "f") has_faces_ = true;
+    skipped_faces += keyword == "f" ? 1U : 0U;
     if (keyword.empty() || keyword.starts_with('#')) return Done{};
     const bool known = std::ranges::all_of(keyword, [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
     return known ? Status(Done{})
@@ -176,7 +178,7 @@ class ObjReader {
 
   void finish() {
     // Without faces a normal belongs to the vertex beside it; faces say whose it is.
-    const bool by_vertex = with_faces_ ? normals_are_vertices_ : !has_faces_;
+    const bool by_vertex = with_faces_ ? normals_are_vertices_ : skipped_faces == 0;
     if (normals_.size() == mesh.positions.size() && by_vertex) {
       mesh.normals = std::move(normals_);
     } else if (!normals_.empty()) {
@@ -199,7 +201,6 @@ class ObjReader {
   std::string joined_;
   std::vector<Normal3> normals_;
   std::vector<WideColor> colors_;
-  bool has_faces_ = false;
   bool normals_are_vertices_ = true;
   std::size_t degenerate_ = 0;
 };
@@ -210,7 +211,7 @@ Result<RawCloud> read_obj_cloud(ByteSource& source, std::string_view name, const
   ObjReader reader(source, name, limits, false);
   if (Status status = reader.run(); !status) return std::move(status).error();
   return RawCloud{std::move(reader.mesh.positions), std::move(reader.mesh.normals), std::move(reader.mesh.colors),
-                  std::move(reader.warnings)};
+                  std::move(reader.warnings), CloudSource{.format = {}, .table = {}, .faces = reader.skipped_faces}};
 }
 
 Result<TriangleMesh> read_obj_mesh(ByteSource& source, std::string_view name, std::vector<std::string>& warnings) {

@@ -165,7 +165,10 @@ Scalar scalar_of(const Field& field) {
   return is_signed ? Scalar::int32 : Scalar::uint32;
 }
 
-/// The fields under PLY's names; packed colours as four bytes. Those of 64-bit integers stay nameless.
+bool is_axis(const std::string& field) { return field.ends_with('x') || field.ends_with('y') || field.ends_with('z'); }
+
+/// The fields under the names that PLY has for them; packed colours as four bytes. Those of 64-bit integers stay
+/// nameless.
 PlyElement element_of(const PcdHeader& header) {
   static const std::map<std::string, std::string> kNames{
       {"x", "x"},         {"y", "y"},   {"z", "z"},     {"normal_x", "nx"}, {"normal_y", "ny"}, {"normal_z", "nz"},
@@ -181,30 +184,13 @@ PlyElement element_of(const PcdHeader& header) {
       continue;
     }
     const bool wide_integer = field.size == 8 && field.type != 'F';
-    const auto known = kNames.find(field.name);
-    std::string name = known == kNames.end() || field.count != 1 || wide_integer ? std::string() : known->second;
-    if (packed && name.size() > 2) name.clear();  // no channel beside packed colours; axes are x and nx
+    // Where colours are packed, fields beside them that are called like channels are none.
+    const auto known = packed && !is_axis(field.name) ? kNames.end() : kNames.find(field.name);
+    const std::string name = known == kNames.end() || field.count != 1 || wide_integer ? std::string() : known->second;
     const Scalar type = wide_integer ? Scalar::float64 : scalar_of(field);
     element.properties.insert(element.properties.end(), field.count, {.name = name, .type = type, .count_type = {}});
   }
   return element;
-}
-
-/// Depth cameras mark pixels without a measurement by NaN.
-void drop_unmeasured(RawCloud& cloud) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (std::ranges::any_of(cloud.positions[i], [](double x) { return std::isnan(x); })) continue;
-    cloud.positions[kept] = cloud.positions[i];
-    if (!cloud.normals.empty()) cloud.normals[kept] = cloud.normals[i];
-    if (!cloud.colors.empty()) cloud.colors[kept] = cloud.colors[i];
-    ++kept;
-  }
-  if (kept == cloud.size()) return;
-  cloud.warnings.push_back(std::to_string(cloud.size() - kept) + " points without a measurement (nan) left out");
-  cloud.positions.resize(kept);
-  if (!cloud.normals.empty()) cloud.normals.resize(kept);
-  if (!cloud.colors.empty()) cloud.colors.resize(kept);
 }
 
 class PcdReader {
@@ -217,10 +203,7 @@ class PcdReader {
                     : header_.data == Data::binary ? read_binary()
                                                    : read_compressed();
     if (!status) return source_.failure() ? *source_.failure() : std::move(status).error();
-    RawCloud cloud = sink_.finish();
-    drop_unmeasured(cloud);
-    if (cloud.size() == 0) return error(ErrorCode::empty_input, "no point of the PCD has a measurement");
-    return cloud;
+    return sink_.finish();
   }
 
  private:

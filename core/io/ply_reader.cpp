@@ -283,33 +283,35 @@ class PlyReader {
   std::optional<std::size_t> corners_;
 };
 
-Result<VertexSink> make_sink(const PlyHeader& header, std::string_view name, const ReadLimits& limits) {
+Result<VertexSink> make_sink(const PlyHeader& header, std::string_view name, const ReadOptions& options) {
   const PlyElement* vertex = header.find("vertex");
   if (vertex == nullptr) {
     return Error{ErrorCode::missing_positions, std::string(name) + ": the PLY has no element 'vertex'"};
   }
-  Result<VertexLayout> layout = VertexLayout::of(*vertex, name);
+  Result<VertexLayout> layout = VertexLayout::of(*vertex, name, options.splats);
   if (!layout) return std::move(layout).error();
   if (vertex->count == 0) return Error{ErrorCode::empty_input, std::string(name) + ": the PLY declares 0 vertices"};
-  const std::uint64_t most = std::min<std::uint64_t>(limits.max_points, VertexIndex::kNone);
-  if (vertex->count > most) {
-    return Error{ErrorCode::too_many_points, std::string(name) + ": " + std::to_string(vertex->count) +
-                                                 " points; the limit is " + std::to_string(most)};
-  }
+  if (vertex->count > most_points(options.limits)) return too_many(name, vertex->count, most_points(options.limits));
   return VertexSink(*vertex, std::move(*layout));
 }
 
 }  // namespace
 
-Result<RawCloud> read_ply_cloud(ByteSource& source, std::string_view name, const ReadLimits& limits) {
+Result<RawCloud> read_ply_cloud(ByteSource& source, std::string_view name, const ReadOptions& options) {
   const Result<PlyHeader> header = read_ply_header(source, name);
   if (!header) return header.error();
-  Result<VertexSink> sink = make_sink(*header, name, limits);
+  Result<VertexSink> sink = make_sink(*header, name, options);
   if (!sink) return std::move(sink).error();
   PlyReader reader(source, name, *header);
   if (Status status = reader.run(&*sink, nullptr); !status) return std::move(status).error();
   RawCloud cloud = sink->finish();
+  if (cloud.size() == 0) {
+    return Error{ErrorCode::empty_input, std::string(name) + ": splat_opacity and splat_scale leave none of " +
+                                             std::to_string(header->find("vertex")->count) + " Gaussians"};
+  }
   reader.warn_of_rest(cloud.warnings);
+  const PlyElement* face = header->find("face");
+  if (face != nullptr && PlyReader::corner_property(*face)) cloud.source.faces = face->count;
   return cloud;
 }
 

@@ -247,6 +247,7 @@ Result<RawCloud> read_stl_cloud(ByteSource& source, std::string_view name, StlKi
   if (!status) return std::move(status).error();
   if (cloud.size() == 0) return no_facets(name);
   warn_of_rest(source, kind, cloud.warnings);
+  cloud.source.faces = cloud.size() / 3;
   return cloud;
 }
 

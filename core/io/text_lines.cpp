@@ -21,7 +21,17 @@ std::size_t line_end_in(std::string_view text) {
 
 std::string_view without_quotes(std::string_view value) {
   const bool quoted = value.size() >= 2 && value.front() == '"' && value.back() == '"';
-  return quoted ? value.substr(1, value.size() - 2) : value;
+  return quoted ? trimmed(value.substr(1, value.size() - 2)) : value;
+}
+
+/// Where the value that begins the line ends: at a separator outside of quotes.
+std::size_t value_end(std::string_view line, char separator) {
+  bool inside = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '"') inside = !inside;
+    if (!inside && (line[i] == separator || (separator == ' ' && is_blank(line[i])))) return i;
+  }
+  return line.size();
 }
 
 }  // namespace
@@ -60,7 +70,8 @@ Result<bool> TextLines::next() {
   if (end == std::string_view::npos && window.size() > kLongest) {
     return malformed("longer than " + std::to_string(kLongest) + " bytes");
   }
-  text_ = trimmed(window.substr(0, end));
+  raw_ = window.substr(0, end);
+  text_ = trimmed(raw_);
   std::size_t length = std::min(end, window.size());
   if (end != std::string_view::npos) length += window.substr(end).starts_with("\r\n") ? 2U : 1U;
   source_.advance(length);
@@ -72,9 +83,18 @@ void Columns::push(std::string_view value) {
   ++count_;
 }
 
-void Columns::split(std::string_view line, char separator) {
+void Columns::split(std::string_view line, char separator, bool quoted) {
   count_ = 0;
-  if (is_blank(separator)) {
+  if (quoted && line.find('"') != std::string_view::npos) {
+    for (line = trimmed(line); !line.empty();) {
+      const std::size_t end = value_end(line, separator);
+      push(line.substr(0, end));
+      line.remove_prefix(std::min(end + 1, line.size()));
+      if (separator == ' ') line = trimmed(line);
+    }
+    return;
+  }
+  if (separator == ' ') {
     for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) push(word);
     return;
   }

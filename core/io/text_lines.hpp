@@ -25,6 +25,8 @@ class TextLines {
 
   /// The line without its end and the blanks around it; lives until the next call of next().
   std::string_view text() const { return text_; }
+  /// The same with its blanks: a tab at the beginning separates.
+  std::string_view raw() const { return raw_; }
   /// Counted from 1.
   std::uint64_t number() const { return number_; }
 
@@ -36,6 +38,7 @@ class TextLines {
   ByteSource& source_;
   std::string_view name_;
   std::string_view text_;
+  std::string_view raw_;
   std::uint64_t number_ = 0;
 };
 
@@ -46,8 +49,9 @@ class Columns {
   static constexpr std::size_t kMost = 64;
 
   /// Splits at runs of blanks, or at every `separator` if it is not a blank; blanks around a value are cut off, and so
-  /// are quotes. One separator at the end of the line is none.
-  void split(std::string_view line, char separator);
+  /// are quotes. One separator at the end of the line is none. With `quoted`, a separator between quotes is none
+  /// either.
+  void split(std::string_view line, char separator, bool quoted = false);
 
   std::size_t count() const { return count_; }
   std::string_view operator[](std::size_t i) const { return values_[i]; }

@@ -67,23 +67,42 @@ Error damaged(std::string_view name, const std::string& what) {
   return {ErrorCode::malformed_input, std::string(name) + ": the ZIP archive is damaged: " + what};
 }
 
-Result<std::string> inflated(std::span<const std::byte> packed, std::uint64_t size, std::string_view name) {
-  if (size > kSmall + kMostRatio * packed.size()) {
-    return Error{ErrorCode::unsupported_feature, std::string(name) + ": " + std::to_string(packed.size()) +
-                                                     " bytes would unpack to " + std::to_string(size) +
-                                                     "; the limit is " + std::to_string(kMostRatio) + " times as many"};
+/// The directory's end stands last, before a comment of up to 64 KiB.
+Result<std::size_t> find_end(std::span<const std::byte> bytes, std::string_view name) {
+  if (bytes.size() < kEndSize) return damaged(name, std::to_string(bytes.size()) + " bytes");
+  std::size_t end = bytes.size() - kEndSize;
+  const std::size_t last = end < 65536 ? 0 : end - 65536;
+  while (end > last && load_little<std::uint32_t>(bytes.data() + end) != kEnd) --end;
+  if (load_little<std::uint32_t>(bytes.data() + end) != kEnd) return damaged(name, "it has no directory");
+  return end;
+}
+
+/// The packed bytes of a member, from behind its local header.
+Result<std::span<const std::byte>> packed_bytes(std::span<const std::byte> bytes, const ZipMember& member,
+                                                std::string_view name) {
+  if (member.offset > bytes.size() || bytes.size() - member.offset < kLocalSize) {
+    return damaged(name, "an entry lies beyond its end");
   }
-  std::string text(static_cast<std::size_t>(size), '\0');
+  const std::byte* const local = bytes.data() + member.offset;
+  const std::uint64_t begin =
+      member.offset + kLocalSize + load_little<std::uint16_t>(local + 26) + load_little<std::uint16_t>(local + 28);
+  if (begin > bytes.size() || member.packed > bytes.size() - begin)
+    return damaged(name, "an entry lies beyond its end");
+  return bytes.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(member.packed));
+}
+
+Result<Bytes> inflated(std::span<const std::byte> packed, std::uint64_t size, std::string_view name) {
+  Bytes unpacked(static_cast<std::size_t>(size));
   z_stream stream{};
   if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) return damaged(name, "zlib cannot begin");
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(packed.data()));
   stream.avail_in = static_cast<uInt>(packed.size());
-  stream.next_out = reinterpret_cast<Bytef*>(text.data());
-  stream.avail_out = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(unpacked.data());
+  stream.avail_out = static_cast<uInt>(unpacked.size());
   const int end = inflate(&stream, Z_FINISH);
   inflateEnd(&stream);
   if (end != Z_STREAM_END || stream.avail_out != 0) return damaged(name, "an entry does not unpack to its size");
-  return text;
+  return unpacked;
 }
 
 }  // namespace
@@ -128,40 +147,70 @@ Result<Bytes> write_zip(const std::vector<ZipEntry>& entries) {
   return bytes;
 }
 
-Result<std::string> read_zip_entry(std::span<const std::byte> bytes, std::string_view name_end, std::string_view name) {
-  if (bytes.size() < kEndSize) return damaged(name, std::to_string(bytes.size()) + " bytes");
-  std::size_t end = bytes.size() - kEndSize;
-  const std::size_t last = end < 65536 ? 0 : end - 65536;  // a comment may follow
-  while (end > last && load_little<std::uint32_t>(bytes.data() + end) != kEnd) --end;
-  if (load_little<std::uint32_t>(bytes.data() + end) != kEnd) return damaged(name, "it has no directory");
-  const auto count = load_little<std::uint16_t>(bytes.data() + end + 10);
-  std::uint64_t at = load_little<std::uint32_t>(bytes.data() + end + 16);
+bool looks_like_zip(std::span<const std::byte> bytes) {
+  return bytes.size() >= 4 &&
+         (load_little<std::uint32_t>(bytes.data()) == kLocal || load_little<std::uint32_t>(bytes.data()) == kEnd);
+}
+
+Result<std::vector<ZipMember>> zip_directory(std::span<const std::byte> bytes, std::string_view name) {
+  const Result<std::size_t> end = find_end(bytes, name);
+  if (!end) return end.error();
+  const auto count = load_little<std::uint16_t>(bytes.data() + *end + 10);
+  std::uint64_t at = load_little<std::uint32_t>(bytes.data() + *end + 16);
+  std::vector<ZipMember> members;
   for (std::uint16_t i = 0; i < count; ++i) {
     if (at + kCentralSize > bytes.size()) return damaged(name, "its directory ends early");
     const std::byte* const entry = bytes.data() + at;
     if (load_little<std::uint32_t>(entry) != kCentral)
       return damaged(name, "entry " + std::to_string(i) + " of its directory");
-    const auto method = load_little<std::uint16_t>(entry + 10);
-    const std::uint64_t packed = load_little<std::uint32_t>(entry + 20);
-    const std::uint64_t size = load_little<std::uint32_t>(entry + 24);
     const std::uint64_t letters = load_little<std::uint16_t>(entry + 28);
-    const std::uint64_t offset = load_little<std::uint32_t>(entry + 42);
     at += kCentralSize + letters;
     if (at > bytes.size()) return damaged(name, "its directory ends early");
-    const std::string_view called(reinterpret_cast<const char*>(entry) + kCentralSize,
-                                  static_cast<std::size_t>(letters));
     at += std::uint64_t{load_little<std::uint16_t>(entry + 30)} + load_little<std::uint16_t>(entry + 32);
-    if (!called.ends_with(name_end)) continue;
-    if (offset + kLocalSize > bytes.size()) return damaged(name, "an entry lies beyond its end");
-    const std::uint64_t begin = offset + kLocalSize + load_little<std::uint16_t>(bytes.data() + offset + 26) +
-                                load_little<std::uint16_t>(bytes.data() + offset + 28);
-    if (begin > bytes.size() || packed > bytes.size() - begin) return damaged(name, "an entry lies beyond its end");
-    const std::span<const std::byte> data =
-        bytes.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(packed));
-    if (method == kDeflate) return inflated(data, size, name);
-    if (method == 0 && packed == size) return std::string(reinterpret_cast<const char*>(data.data()), data.size());
-    return Error{ErrorCode::unsupported_feature,
-                 std::string(name) + ": " + in_quotes(called) + " is packed by method " + std::to_string(method)};
+    ZipMember member{
+        .name = std::string(reinterpret_cast<const char*>(entry) + kCentralSize, static_cast<std::size_t>(letters)),
+        .packed = load_little<std::uint32_t>(entry + 20),
+        .size = load_little<std::uint32_t>(entry + 24),
+        .offset = load_little<std::uint32_t>(entry + 42),
+        .method = load_little<std::uint16_t>(entry + 10),
+        .encrypted = (load_little<std::uint16_t>(entry + 8) & 1U) != 0};
+    if (member.packed == kLimit || member.size == kLimit || member.offset == kLimit) {
+      return Error{ErrorCode::unsupported_feature,
+                   std::string(name) + ": " + in_quotes(member.name) +
+                       " is a ZIP entry of 4 GiB or more; unpack it, or pack it as gzip"};
+    }
+    if (!member.name.ends_with('/')) members.push_back(std::move(member));
+  }
+  return members;
+}
+
+Result<Bytes> unpack_member(std::span<const std::byte> bytes, const ZipMember& member, std::uint64_t most,
+                            std::string_view name) {
+  const auto refuse = [&](const std::string& what) {
+    return Error{ErrorCode::unsupported_feature, std::string(name) + ": " + in_quotes(member.name) + what};
+  };
+  if (member.encrypted) return refuse(" is encrypted; unpack it first");
+  const Result<std::span<const std::byte>> packed = packed_bytes(bytes, member, name);
+  if (!packed) return packed.error();
+  if (member.size > most) {
+    return refuse(": " + std::to_string(member.packed) + " bytes would unpack to " + std::to_string(member.size) +
+                  "; the limit for so few is " + std::to_string(most) + "; send it unpacked");
+  }
+  if (member.method == 0 && member.packed == member.size) return Bytes(packed->begin(), packed->end());
+  if (member.method != kDeflate) {
+    return refuse(" is packed by method " + std::to_string(member.method) + "; pack it by deflate");
+  }
+  return inflated(*packed, member.size, name);
+}
+
+Result<std::string> read_zip_entry(std::span<const std::byte> bytes, std::string_view name_end, std::string_view name) {
+  const Result<std::vector<ZipMember>> members = zip_directory(bytes, name);
+  if (!members) return members.error();
+  for (const ZipMember& member : *members) {
+    if (!member.name.ends_with(name_end)) continue;
+    const Result<Bytes> unpacked = unpack_member(bytes, member, kSmall + kMostRatio * member.packed, name);
+    if (!unpacked) return unpacked.error();
+    return std::string(reinterpret_cast<const char*>(unpacked->data()), unpacked->size());
   }
   return Error{ErrorCode::unsupported_feature,
                std::string(name) + ": the ZIP archive has no entry " + in_quotes(name_end)};

@@ -15,6 +15,38 @@ namespace surfaced {
 /// @cost  O(V log V).
 double spacing_of(const std::vector<Point3>& positions, unsigned threads);
 
+/// Points that repeat within a tolerance, as several scans of one thing have them.
+struct NearRepeats {
+  /// Farther apart than those that repeat, nearer than the others.
+  double tolerance = 0;
+  /// Medians of the distance to the next point that repeats, and to the next that does not.
+  double near = 0;
+  double far = 0;
+  /// Share of the points that have such a neighbour.
+  double share = 0;
+};
+
+/// Two scales of neighbour distance with nothing between them, if there are: at least a tenth of the points repeat.
+/// @param positions  in the order of a PointCloud. At most 4,096 of them are looked at.
+/// @cost  O(1) beyond some thousand points.
+std::optional<NearRepeats> near_repeats_of(const std::vector<Point3>& positions);
+
+/// Coordinates that were rounded to float32 far from the origin.
+struct FloatSteps {
+  /// The coarsest step of the axes, and the spacing of the points.
+  double step = 0;
+  double spacing = 0;
+};
+
+/// Whether the coordinates of an axis lie on the steps of float32 at their magnitude, and the steps are no less than
+/// 1/32 of the spacing.
+/// @cost  O(V); a search for the spacing only where they do.
+std::optional<FloatSteps> float_steps_of(const std::vector<Point3>& positions, unsigned threads);
+
+/// Whether the points, all of whose coordinates float32 holds, lie on a line but for what rounding to float32 moves
+/// them: two steps on every axis.
+bool on_a_line_of_floats(const std::vector<Point3>& positions);
+
 /// Where code computes that has absolute thresholds, or that may not lose digits to a far-off origin: the least corner
 /// of the points is the origin, and a power of two brings the longest side of their box to [512, 1024). Local points
 /// lie on the grid of a double's step at 1024: two are the same or a step apart, so that no product of their distances
@@ -48,8 +80,14 @@ Nearest nearest_points(const std::vector<Point3>& positions, const std::vector<P
 /// Removes the points whose mean distance to their 12 nearest exceeds `factor` times the median of it.
 Result<PointCloud> without_outliers(const PointCloud& cloud, double factor, Context& context);
 
+/// Merges the points within `tolerance` of the first point that is left, in the order of the cloud, into their mean, in
+/// which each counts as often as the input has it; normals and colours likewise.
+/// @param tolerance  above 0, in units of the input.
+/// @cost  O(V log V).
+Result<PointCloud> fused(const PointCloud& cloud, double tolerance, Context& context);
+
 /// Keeps one input point in every cell of a grid, the nearest to the cell's centre; `cell` is the side of a cell, in
-/// units of the input, or without it twice the spacing.
+/// units of the input, or without it twice the spacing; points that repeat within a tolerance count once in that.
 Result<PointCloud> sampled(const PointCloud& cloud, std::optional<double> cell, Context& context);
 
 /// Keeps about `share` of the points: one in each cluster of 1 / share points at most, the nearest to its centre.

@@ -19,6 +19,15 @@ struct Candidate {
   friend auto operator<=>(const Candidate&, const Candidate&) = default;
 };
 
+/// Points that repeat within a tolerance would say how near they are to each other, not how dense the cloud is.
+Result<double> spacing_without_repeats(const PointCloud& cloud, Context& context) {
+  const std::optional<NearRepeats> repeats = near_repeats_of(cloud.positions);
+  if (!repeats) return spacing_of(cloud.positions, context.threads());
+  const Result<PointCloud> once = fused(cloud, repeats->tolerance, context);
+  if (!once) return once.error();
+  return spacing_of(once->positions, context.threads());
+}
+
 Candidate candidate_of(const Point3& p, const Point3& low, double size, std::size_t point) {
   Candidate candidate{.cell = {}, .point = point};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -35,7 +44,9 @@ Candidate candidate_of(const Point3& p, const Point3& low, double size, std::siz
 Result<PointCloud> sampled(const PointCloud& cloud, std::optional<double> cell, Context& context) {
   constexpr double kSpacings = 2;
   return preparing::guarded<PointCloud>("sampling", context, [&]() -> Result<PointCloud> {
-    const double size = cell ? *cell : kSpacings * spacing_of(cloud.positions, context.threads());
+    const Result<double> spacing = cell ? Result<double>(0.0) : spacing_without_repeats(cloud, context);
+    if (!spacing) return spacing.error();
+    const double size = cell ? *cell : kSpacings * *spacing;
     const auto [low, high] = bounds_of(cloud.positions);
     // In cells that small, whose numbers a double cannot hold, every point is alone.
     constexpr double kMostCells = 0x1p53;

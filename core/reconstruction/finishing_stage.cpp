@@ -5,12 +5,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iomanip>
 #include <limits>
-#include <sstream>
 
 #include "quality/quality.hpp"
 #include "reconstruction/preparing_stage.hpp"
+#include "reconstruction/words.hpp"
 #include "simplification/simplification.hpp"
 
 namespace surfaced {
@@ -161,13 +160,6 @@ std::optional<double> thinnest_wall(const Json& parameters, std::optional<MeshFo
 std::string percent(double share) {
   const auto tenths = std::lround(1000 * share);
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " %";
-}
-
-/// Three digits: what is said of a sample deserves no more.
-std::string briefly(double length) {
-  std::ostringstream text;
-  text << std::setprecision(3) << length;
-  return text.str();
 }
 
 Json walls_json(const TriangleMesh& mesh, double limit, const Json& unit, std::vector<std::string>& warnings) {

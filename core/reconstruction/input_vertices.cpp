@@ -18,7 +18,7 @@ std::vector<VertexIndex> vertices_of_input(const PointCloud& cloud, const Triang
   }
   std::vector<VertexIndex> of_input;
   of_input.reserve(cloud.input_to_vertex.size());
-  for (const VertexIndex p : cloud.input_to_vertex) of_input.push_back(of_point[p]);
+  for (const VertexIndex p : cloud.input_to_vertex) of_input.push_back(p.valid() ? of_point[p] : VertexIndex());
   return of_input;
 }
 

@@ -7,6 +7,7 @@
 #include "reconstruction/finishing_stage.hpp"
 #include "reconstruction/method_table.hpp"
 #include "reconstruction/preparing_stage.hpp"
+#include "reconstruction/reading_stage.hpp"
 
 namespace surfaced {
 namespace {
@@ -50,7 +51,7 @@ const std::vector<MethodInfo>& infos() {
 
 /// True of every method: stages that all share act before and after it.
 constexpr std::string_view kStagesAct =
-    "Guarantees are the method's, on the points it gets: outliers, sample, smooth and normals act before it; "
+    "Guarantees are the method's, on the points it gets: fuse, outliers, sample, smooth and normals act before it; "
     "drop_parts, "
     "simplify and color_map change its mesh.";
 
@@ -59,6 +60,8 @@ constexpr std::string_view kStagesAct =
 Json schema_of(Json properties) {
   const Json common = common_properties();  // items() of a temporary would outlive it
   for (const auto& [name, schema] : common.items()) properties[name] = schema;
+  const Json reading = reading_properties();
+  for (const auto& [name, schema] : reading.items()) properties[name] = schema;
   const Json preparing = preparing_properties();
   for (const auto& [name, schema] : preparing.items()) properties[name] = schema;
   const Json finishing = finishing_properties();

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parameters against their JSON Schema. The schemas use the keywords type (number, integer, string,
-// boolean), enum, const, oneOf, minimum, exclusiveMinimum and maximum, and nothing else.
+// boolean), enum, const, oneOf, minimum, exclusiveMinimum, maximum, pattern with maxLength, and nothing else.
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <regex>
 
 #include "reconstruction/reconstruction.hpp"
 
@@ -25,6 +26,7 @@ std::string allowed_by(const Json& schema) {
     for (const Json& option : schema.at("oneOf")) text += (text.empty() ? "" : " or ") + allowed_by(option);
     return text;
   }
+  if (schema.contains("x-allowed")) return schema.at("x-allowed");
   if (schema.contains("const")) return schema.at("const").dump();
   if (schema.contains("enum")) {
     std::string text;
@@ -48,6 +50,14 @@ bool matches_number(const Json& schema, const Json& value) {
   return !schema.contains("maximum") || x <= schema.at("maximum").get<double>();
 }
 
+/// A pattern is of the whole text here, and only of texts whose length is bounded.
+bool matches_text(const Json& schema, const Json& value) {
+  if (!value.is_string()) return false;
+  const std::string& text = value.get_ref<const std::string&>();
+  if (schema.contains("maxLength") && text.size() > schema.at("maxLength").get<std::size_t>()) return false;
+  return !schema.contains("pattern") || std::regex_match(text, std::regex(schema.at("pattern").get<std::string>()));
+}
+
 bool matches(const Json& schema, const Json& value) {
   if (schema.contains("oneOf")) {
     for (const Json& option : schema.at("oneOf")) {
@@ -63,7 +73,7 @@ bool matches(const Json& schema, const Json& value) {
     return false;
   }
   if (schema.at("type") == "boolean") return value.is_boolean();
-  if (schema.at("type") == "string") return value.is_string();
+  if (schema.at("type") == "string") return matches_text(schema, value);
   return matches_number(schema, value);
 }
 

@@ -14,6 +14,7 @@
 #include "reconstruction/position_set.hpp"
 #include "reconstruction/preparing_stage.hpp"
 #include "reconstruction/provenance.hpp"
+#include "reconstruction/reading_stage.hpp"
 #include "reconstruction/report.hpp"
 
 namespace surfaced {
@@ -49,15 +50,6 @@ PointUse use_of_points(const PointCloud& cloud, const TriangleMesh& mesh, const 
   PointUse use{unused.size(), std::nullopt};
   if (interpolates && topology.closed) use.interior = count_points_inside(mesh, unused);
   return use;
-}
-
-Result<PointCloud> load(const std::filesystem::path& path, const ReadLimits& limits, std::string_view name,
-                        Context& context) {
-  context.section(kReadUntil);
-  context.enter("read", 1);
-  Result<RawCloud> raw = read_cloud(path, limits, name);
-  if (!raw) return std::move(raw).error();
-  return make_cloud(std::move(*raw), context.threads());
 }
 
 /// Whether points that are no vertices can be told to be inside.
@@ -242,7 +234,36 @@ Result<Made> make(const PointCloud& cloud, const MethodInfo& method, const Json&
   return Made{.result = std::move(*result), .preparing = std::move(prepared->stages)};
 }
 
+/// What there is to finish: of a cloud, what the method makes of it; of a mesh, the mesh.
+struct Input {
+  PointCloud cloud;
+  Made made;
+};
+
+Result<Input> mesh_input(const FileRequest& request, const ReadOptions& options, Context& context) {
+  Result<LoadedMesh> loaded = load_mesh(request.cloud, options, request.cloud_name, context);
+  if (!loaded) return std::move(loaded).error();
+  context.section(kFinishedUntil);
+  Input input{.cloud = std::move(loaded->cloud), .made = {}};
+  input.made.result.mesh = std::move(loaded->mesh);
+  input.made.result.warnings.emplace_back("input=mesh: the faces of the file are kept, no method has run");
+  return input;
+}
+
 double method_until(const Json& parameters) { return asks_for_simplifying(parameters) ? kMethodUntil : kFinishedUntil; }
+
+Result<Input> input_of(const FileRequest& request, Context& context) {
+  context.section(kReadUntil);
+  context.enter("read", 1);
+  const ReadOptions options = read_options_of(request.parameters, request.limits, request.files_beside);
+  if (asks_for_mesh(request.parameters)) return mesh_input(request, options, context);
+  const Missing missing = request.parameters.at("missing") == "refuse" ? Missing::refuse : Missing::drop;
+  Result<PointCloud> cloud = load_cloud(request.cloud, options, missing, request.cloud_name, context);
+  if (!cloud) return std::move(cloud).error();
+  Result<Made> made = make(*cloud, *request.method, request.parameters, method_until(request.parameters), context);
+  if (!made) return std::move(made).error();
+  return Input{std::move(*cloud), std::move(*made)};
+}
 
 Result<Reconstruction> run_unguarded(const PointCloud& cloud, const MethodInfo& method, const Json& parameters,
                                      Context& context) {
@@ -263,11 +284,9 @@ Result<Json> reconstruct_unguarded(const FileRequest& request, Context& context)
   if (!request.points.empty()) {
     if (Status made = check_makes_cloud(*request.method); !made) return std::move(made).error();
   }
-  const Result<PointCloud> cloud = load(request.cloud, request.limits, request.cloud_name, context);
-  if (!cloud) return cloud.error();
-  Result<Made> made = make(*cloud, *request.method, request.parameters, method_until(request.parameters), context);
-  if (!made) return std::move(made).error();
-  Reconstruction& result = made->result;
+  Result<Input> input = input_of(request, context);
+  if (!input) return std::move(input).error();
+  Reconstruction& result = input->made.result;
   std::vector<std::byte> points;
   if (!request.points.empty()) {
     points = encode_cloud_ply(result.mesh.positions, result.mesh.normals, result.mesh.colors);
@@ -276,8 +295,9 @@ Result<Json> reconstruct_unguarded(const FileRequest& request, Context& context)
   if (Status finished = finish(result, request.parameters, context); !finished) return std::move(finished).error();
   if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled before the mesh was written"};
   context.section(1);
-  Result<Json> report = format ? deliver(request, *cloud, made->preparing, result, *format, context)
-                               : measure_unwritten(request, *cloud, made->preparing, result, context);
+  const Json& preparing = input->made.preparing;
+  Result<Json> report = format ? deliver(request, input->cloud, preparing, result, *format, context)
+                               : measure_unwritten(request, input->cloud, preparing, result, context);
   if (!report) return report;
   if (!request.points.empty()) {
     context.enter("write", 1);
@@ -299,7 +319,7 @@ Result<Json> measure_unguarded(const std::filesystem::path& mesh,
   if (!decoded) return decoded.error();
   std::optional<PointCloud> cloud;
   if (cloud_path) {
-    Result<PointCloud> loaded = load(*cloud_path, {}, {}, context);
+    Result<PointCloud> loaded = load_cloud(*cloud_path, {}, Missing::drop, {}, context);
     if (!loaded) return std::move(loaded).error();
     cloud = std::move(*loaded);
   }

@@ -9,6 +9,7 @@ namespace surfaced {
 namespace {
 
 /// Shares of the progress of the preparing section.
+constexpr double kFuseUntil = 0.1;
 constexpr double kOutliersUntil = 0.2;
 constexpr double kSampleUntil = 0.5;
 constexpr double kSmoothUntil = 0.8;
@@ -41,6 +42,14 @@ Result<PointCloud> sample_of(const PointCloud& cloud, const Json& parameters, Co
   if (way == "wlop") return consolidated(cloud, share, context);
   const Json& cell = parameters.at("sample_cell");
   return sampled(cloud, cell.is_number() ? std::optional(cell.get<double>()) : std::nullopt, context);
+}
+
+/// Merges what repeats; without a distance that is given, only where points do.
+Result<PointCloud> fuse(const PointCloud& cloud, const Json& distance, Context& context) {
+  if (distance.is_number()) return fused(cloud, distance.get<double>(), context);
+  const std::optional<NearRepeats> repeats = near_repeats_of(cloud.positions);
+  if (!repeats) return cloud;
+  return fused(cloud, repeats->tolerance, context);
 }
 
 Json smoothing_properties() {
@@ -93,6 +102,14 @@ Json sampling_properties() {
 
 Json preparing_properties() {
   Json properties{
+      {"fuse",
+       {{"oneOf", {Json{{"enum", {"none", "auto"}}}, Json{{"type", "number"}, {"exclusiveMinimum", 0}}}},
+        {"default", "none"},
+        {"title", "Points to merge"},
+        {"description",
+         "Merges points within this distance into their mean, before all other stages; auto tells the distance where "
+         "points repeat within a tolerance, as in several scans of one thing, and merges none where they do not."},
+        {"x-unit", "input"}}},
       {"outliers", word_or_number("none", 1, "Outliers to remove",
                                   "Removes points whose mean distance to their 12 nearest exceeds this many "
                                   "times the median of it; 2 to 4 is usual.",
@@ -111,19 +128,23 @@ Json preparing_properties() {
 }
 
 bool asks_for_preparing(const Json& parameters) {
-  return parameters.at("outliers") != "none" || parameters.at("sample") != "none" ||
+  return parameters.at("fuse") != "none" || parameters.at("outliers") != "none" || parameters.at("sample") != "none" ||
          parameters.at("smooth") != "none" || parameters.at("normals") != "keep";
 }
 
 bool moves_points(const Json& parameters) {
-  return parameters.at("sample") == "wlop" || parameters.at("smooth") != "none";
+  return parameters.at("fuse") != "none" || parameters.at("sample") == "wlop" || parameters.at("smooth") != "none";
 }
 
 Result<Prepared> prepare(PointCloud cloud, const Json& parameters, Context& context) {
   constexpr std::size_t kNeighboursOfNormals = 18;
   Prepared prepared{.cloud = std::move(cloud)};
   Status status = Done{};
-  if (const Json& factor = parameters.at("outliers"); factor.is_number()) {
+  if (const Json& distance = parameters.at("fuse"); distance != "none") {
+    context.enter("fuse", kFuseUntil);
+    status = step(prepared, "fuse", fuse(prepared.cloud, distance, context));
+  }
+  if (const Json& factor = parameters.at("outliers"); status && factor.is_number()) {
     context.enter("outliers", kOutliersUntil);
     status = step(prepared, "outliers", without_outliers(prepared.cloud, factor.get<double>(), context));
   }

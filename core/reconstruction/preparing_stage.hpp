@@ -21,7 +21,7 @@ struct Prepared {
   Json stages = Json::array();
 };
 
-/// Runs the stages that the parameters ask for, in the order outliers, sample, smooth, normals.
+/// Runs the stages that the parameters ask for, in the order fuse, outliers, sample, smooth, normals.
 /// @return  cancelled, out_of_memory, method_failed (nothing is left).
 Result<Prepared> prepare(PointCloud cloud, const Json& parameters, Context& context);
 

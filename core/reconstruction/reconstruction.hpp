@@ -104,6 +104,8 @@ struct FileRequest {
   std::string cloud_name;
   /// Where the method's cloud goes, as PLY; empty: nowhere.
   std::filesystem::path points = {};
+  /// Whether a glTF may name files beside it.
+  bool files_beside = false;
 };
 
 /// Reads the cloud, runs the method, encodes the mesh, measures what a reader of the encoded mesh

@@ -49,12 +49,25 @@ Json premises_json(const Certificate& c) {
        {{"met", premise_json(c.injectivity_and_convexity)}, {"close_sheets", std::move(sheets)}}}};
 }
 
+Json table_json(const std::optional<TableFacts>& table) {
+  if (!table) return nullptr;
+  return Json{{"columns", table->columns},
+              {"separator", table->separator},
+              {"decimal", table->decimal},
+              {"skipped_lines", table->skipped},
+              {"guessed", table->guessed}};
+}
+
 }  // namespace
 
 Json cloud_json(const PointCloud& cloud) {
   const Bounds bounds = bounds_of(cloud.positions);
   return Json{{"points", cloud.input_to_vertex.size()},
               {"distinct_points", cloud.size()},
+              {"missing_points", cloud.missing},
+              {"format", cloud.source.format},
+              {"faces", cloud.source.faces},
+              {"table", table_json(cloud.source.table)},
               {"has_normals", !cloud.normals.empty()},
               {"has_colors", !cloud.colors.empty()},
               {"bounds", {{"min", bounds.low}, {"max", bounds.high}}}};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "api/outputs.hpp"
 #include "http/multipart.hpp"
 #include "http/problem.hpp"
 #include "http/request_head.hpp"
@@ -23,12 +24,31 @@ Status check_encoding(const Request& request) {
   return http::wrong_value(ErrorCode::unsupported_content_encoding, "Content-Encoding", *encoding, "identity");
 }
 
+/// A cloud may be packed by gzip: it is stored as it comes, and unpacked by the child that reads it.
+Status check_cloud_encoding(const Request& request) {
+  const auto encoding = request.headers.find("Content-Encoding");
+  const bool packed = encoding && (http::same_name(*encoding, "gzip") || http::same_name(*encoding, "x-gzip"));
+  if (!encoding || packed || http::same_name(*encoding, "identity")) return Done{};
+  return http::wrong_value(ErrorCode::unsupported_content_encoding, "Content-Encoding", *encoding, "gzip or identity");
+}
+
 Status check_present(const Request& request) {
   if (!request.body->present()) {
     return with_fault({ErrorCode::length_required, "the request has neither Content-Length nor Transfer-Encoding"},
                       {"Content-Length", std::nullopt, "the bytes of a body"});
   }
   if (request.body->length() == 0) return Error{ErrorCode::empty_input, "the body has 0 bytes"};
+  return Done{};
+}
+
+/// Where the mesh is the answer and the query does not name its format, the Accept header does.
+Status add_accepted(http::Query& query, const Request& request, Door door) {
+  const auto accept = request.headers.find("Accept");
+  const auto named = [](const auto& pair) { return pair.first == "output"; };
+  if (door != Door::reconstruct || !accept || std::ranges::any_of(query, named)) return Done{};
+  const auto mesh = negotiate_mesh(accept, {});
+  if (!mesh) return mesh.error();
+  query.emplace_back("output", mesh->substr(mesh->find('.') + 1));
   return Done{};
 }
 
@@ -71,7 +91,8 @@ class Form {
   }
 
   /// What was read, together with the query.
-  Result<Intake> intake(http::Query query, Door door, const SubmissionRules& rules) && {
+  Result<Intake> intake(const Request& request, Door door, const SubmissionRules& rules) && {
+    http::Query query = request.query;
     std::string cloud_id;
     for (auto& [name, value] : fields_) {
       if (!http::is_utf8(name) || !http::is_utf8(value)) {
@@ -92,6 +113,7 @@ class Form {
       return http::missing_value(ErrorCode::invalid_request, "cloud", "a file 'cloud', or a field 'cloud_id'");
     }
     if (cloud_ && cloud_->bytes() == 0) return Error{ErrorCode::empty_input, "the file 'cloud' has 0 bytes"};
+    if (Status accepted = add_accepted(query, request, door); !accepted.ok()) return accepted.error();
     auto submission = read_submission(query, door, rules);
     if (!submission) return std::move(submission).error();
     submission->cloud_id = std::move(cloud_id);
@@ -117,7 +139,7 @@ Result<Intake> take_in_form(Request& request, Door door, const SubmissionRules& 
   const Status read = request.body->read([&](std::span<const std::byte> bytes) { return reader.feed(bytes); });
   if (!read) return read.error();
   if (Status whole = reader.finish(); !whole.ok()) return whole.error();
-  return std::move(form).intake(request.query, door, rules);
+  return std::move(form).intake(request, door, rules);
 }
 
 Result<Intake> take_in_json(Request& request, const SubmissionRules& rules) {
@@ -165,7 +187,7 @@ Result<Json> receive_json(Request& request, std::size_t most_bytes) {
 }
 
 Result<std::unique_ptr<Upload>> receive_raw(Request& request, JobService& service) {
-  if (Status plain = check_encoding(request); !plain.ok()) return plain.error();
+  if (Status known = check_cloud_encoding(request); !known.ok()) return known.error();
   if (Status there = check_present(request); !there.ok()) return there.error();
   auto upload = service.begin_upload(request.caller, request.body->length().value_or(0));
   if (!upload) return upload;
@@ -176,15 +198,19 @@ Result<std::unique_ptr<Upload>> receive_raw(Request& request, JobService& servic
 }
 
 Result<Intake> take_in(Request& request, Door door, const SubmissionRules& rules, JobService& service) {
-  if (Status plain = check_encoding(request); !plain.ok()) return plain.error();
   const std::string type = content_type_of(request);
-  if (type == "multipart/form-data") return take_in_form(request, door, rules, service);
+  if (type == "multipart/form-data") {
+    if (Status plain = check_encoding(request); !plain.ok()) return plain.error();
+    return take_in_form(request, door, rules, service);
+  }
   if (type == "application/json" || type.ends_with("+json")) {
     if (door == Door::jobs) return take_in_json(request, rules);
     return http::wrong_value(ErrorCode::unsupported_media_type, "Content-Type", type,
                              "application/octet-stream for the raw bytes of a cloud, or multipart/form-data");
   }
-  auto submission = read_submission(request.query, door, rules);
+  http::Query query = request.query;
+  if (Status accepted = add_accepted(query, request, door); !accepted.ok()) return accepted.error();
+  auto submission = read_submission(query, door, rules);
   if (!submission) return std::move(submission).error();
   auto cloud = receive_raw(request, service);
   if (!cloud) return std::move(cloud).error();

@@ -62,10 +62,10 @@ Result<FileRequest> request_of(const Options& options) {
     if (std::filesystem::path(options.mesh).extension() != ".ply") {
       return Error{ErrorCode::unknown_output, "-o " + options.mesh + ": a cloud is written as .ply"};
     }
-    return FileRequest{options.cloud, {}, *method, std::move(*parameters), {}, {}, options.mesh};
+    return FileRequest{options.cloud, {}, *method, std::move(*parameters), {}, {}, options.mesh, true};
   }
   if (const auto format = mesh_format_of(options.mesh); !format) return format.error();
-  return FileRequest{options.cloud, options.mesh, *method, std::move(*parameters), {}, {}};
+  return FileRequest{options.cloud, options.mesh, *method, std::move(*parameters), {}, {}, {}, true};
 }
 
 /// For people at a terminal; a program reads the report.
@@ -104,8 +104,9 @@ void add_reconstruct(CLI::App& app, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("reconstruct", "Turn a point cloud into a mesh");
   command
-      ->add_option("CLOUD", options->cloud,
-                   "Point cloud: PLY, Draco, LAS, PCD, glTF, OBJ, STL or text, told by content")
+      ->add_option(
+          "CLOUD", options->cloud,
+          "Point cloud: PLY, Draco, LAS, PCD, glTF, OBJ, STL, 3MF or text, told by content, also in gzip or ZIP")
       ->required();
   command->add_option("-o", options->mesh, "Mesh to write: .glb, .gltf, .drc, .ply, .obj, .stl or .3mf")
       ->required()

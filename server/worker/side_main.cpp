@@ -21,7 +21,7 @@ Status inspect(const AttemptSpec& spec) {
   Json attributes = Json::array({"position"});
   if (!raw->normals.empty()) attributes.push_back("normal");
   if (!raw->colors.empty()) attributes.push_back("color");
-  const auto cloud = make_cloud(std::move(*raw));
+  const auto cloud = make_cloud(std::move(*raw), 1, Missing::drop);
   if (!cloud) return cloud.error();
   const Bounds bounds = bounds_of(cloud->positions);
   const auto corner = [](const Point3& point) { return Json::array({point[0], point[1], point[2]}); };

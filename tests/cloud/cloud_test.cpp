@@ -26,6 +26,65 @@ TEST(MakeCloud, refuses_a_coordinate_that_is_not_finite_and_says_where) {
   }
 }
 
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+TEST(MakeCloud, leaves_out_points_that_are_not_finite_if_that_is_wanted_and_keeps_what_belongs_to_the_others) {
+  RawCloud raw = testing::raw_cloud({{0, kNaN, 0}, {1, 2, 3}, {kInf, 0, 0}, {4, 5, 6}});
+  raw.normals = {{kNaN, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
+  raw.colors = {{1, 1, 1, 1}, {2, 2, 2, 2}, {3, 3, 3, 3}, {4, 4, 4, 4}};
+  const auto cloud = make_cloud(raw, 1, Missing::drop);
+  ASSERT_TRUE(cloud);
+  EXPECT_EQ(cloud->missing, 2U);
+  EXPECT_THAT(cloud->warnings, ::testing::ElementsAre(HasSubstr("2 of 4 points left out")));
+  ASSERT_EQ(cloud->input_to_vertex.size(), 4U);
+  EXPECT_FALSE(cloud->input_to_vertex[0].valid() || cloud->input_to_vertex[2].valid());
+  EXPECT_EQ(cloud->positions[cloud->input_to_vertex[3]], (Point3{4, 5, 6}));
+  EXPECT_EQ(cloud->colors[cloud->input_to_vertex[3]], (Color4{4, 4, 4, 4}));
+  EXPECT_EQ(cloud->normals[cloud->input_to_vertex[1]], (Normal3{0, 0, 1}));
+}
+
+TEST(MakeCloud, refuses_a_cloud_of_which_no_point_is_finite) {
+  const auto cloud = make_cloud(testing::raw_cloud({{0, kNaN, 0}, {kInf, 0, 0}}), 1, Missing::drop);
+  ASSERT_FALSE(cloud);
+  EXPECT_EQ(cloud.error().code, ErrorCode::coordinate_not_finite);
+}
+
+std::vector<Point3> with_zeros(std::vector<Point3> points, std::size_t zeros) {
+  points.insert(points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2), zeros, Point3{});
+  return points;
+}
+
+TEST(MakeCloud, leaves_out_many_points_at_0_0_0_off_all_others_and_says_how_to_keep_them) {
+  std::vector<Point3> far = testing::sphere_points(2000);
+  for (Point3& p : far) p[2] += 5;
+  for (const std::vector<Point3>& points : {testing::sphere_points(2000), testing::sphere_points(300), far}) {
+    const auto cloud = make_cloud(testing::raw_cloud(with_zeros(points, 100)), 1, Missing::drop);
+    ASSERT_TRUE(cloud);
+    EXPECT_EQ(cloud->size(), points.size());
+    EXPECT_EQ(cloud->missing, 100U);
+    EXPECT_THAT(cloud->warnings, ::testing::ElementsAre(HasSubstr("missing=refuse keeps them")));
+    const auto kept = make_cloud(testing::raw_cloud(with_zeros(points, 100)), 1, Missing::refuse);
+    EXPECT_EQ(kept->size(), points.size() + 1);
+  }
+}
+
+TEST(MakeCloud, keeps_points_at_0_0_0_on_the_surface_and_few_of_them_and_corners_of_a_mesh) {
+  std::vector<Point3> on = testing::sphere_points(2000);
+  const Point3 shift = on[700];
+  for (Point3& p : on) p = p - shift;
+  EXPECT_EQ(make_cloud(testing::raw_cloud(with_zeros(on, 100)), 1, Missing::drop)->missing, 0U);
+  std::vector<Point3> grid;
+  for (int i = -20; i < 20; ++i) {
+    for (int j = -20; j < 20; ++j) grid.push_back({i + 0.0, j + 0.0, 0});
+  }
+  EXPECT_EQ(make_cloud(testing::raw_cloud(with_zeros(grid, 100)), 1, Missing::drop)->missing, 0U);
+  EXPECT_EQ(make_cloud(testing::raw_cloud(with_zeros(testing::sphere_points(2000), 3)), 1, Missing::drop)->missing, 0U);
+  RawCloud mesh = testing::raw_cloud(with_zeros(testing::sphere_points(2000), 100));
+  mesh.source.faces = 1;
+  EXPECT_EQ(make_cloud(mesh, 1, Missing::drop)->missing, 0U);
+}
+
 TEST(MakeCloud, refuses_a_coordinate_beyond_float32_and_gives_value_and_limit) {
   const auto cloud = make_cloud(testing::raw_cloud({{0, 0, 1e299}}));
   ASSERT_FALSE(cloud);

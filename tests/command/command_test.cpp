@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 
 #include "io/io.hpp"
@@ -311,8 +312,8 @@ std::vector<std::tuple<std::string, std::string, std::vector<std::string>>> bad_
       {"negative count", ply("ascii", "-5", "float", "0 0 0\n"), {"malformed_input"}},
       {"count beyond 64 bits", ply("ascii", "99999999999999999999999", "float", ""), {"truncated_input"}},
       {"no points", ply("ascii", "0", "float", ""), {"empty_input"}},
-      {"NaN", ply("ascii", "2", "float", "0 0 0\nnan 0 0\n"), {"coordinate_not_finite"}},
-      {"Inf", ply("ascii", "2", "double", "0 0 0\n0 inf 0\n"), {"coordinate_not_finite"}},
+      {"NaN", ply("ascii", "2", "float", "0 0 nan\nnan 0 0\n"), {"coordinate_not_finite"}},
+      {"Inf", ply("ascii", "2", "double", "0 0 -inf\n0 inf 0\n"), {"coordinate_not_finite"}},
       {"1e299", ply("ascii", "1", "double", "1e299 0 0\n"), {"coordinate_out_of_range"}},
       {"equal points", ply("ascii", "20000", "float", many_equal), {"too_few_points"}},
       {"two points", ply("ascii", "2", "float", "0 0 0\n1 1 1\n"), {"too_few_points"}},
@@ -382,6 +383,60 @@ TEST_F(Command, every_shared_cloud_gives_a_mesh_whose_report_agrees_with_a_recou
     EXPECT_EQ(measured.at("mesh"), report.at("mesh")) << entry.path();
     EXPECT_EQ(measured.at("quality").at("unused_points"), report.at("quality").at("unused_points")) << entry.path();
     EXPECT_TRUE(report.at("mesh").at("edge_manifold").get<bool>()) << entry.path();
+  }
+}
+
+/// The commands of ours that a text names: `surfaced`, then small words and flags.
+std::vector<std::vector<std::string>> commands_in(const std::string& text) {
+  std::vector<std::vector<std::string>> commands;
+  static const std::regex kCommand("surfaced((?: --?[a-z-]+| [a-z]+(?=[,;. ]|$))+)");
+  for (std::sregex_iterator found(text.begin(), text.end(), kCommand), end; found != end; ++found) {
+    std::istringstream words((*found)[1].str());
+    std::vector<std::string> command;
+    for (std::string word; words >> word && command.size() < 2 && word != "lists" && word != "gives";) {
+      command.push_back(word);
+    }
+    if (!command.empty()) commands.push_back(command);
+  }
+  return commands;
+}
+
+TEST_F(Command, every_command_that_a_hint_names_runs) {
+  const auto table = nlohmann::json::parse(std::ifstream(SURFACED_ERRORS));
+  std::size_t run_ones = 0;
+  for (const auto& row : table.at("errors")) {
+    for (std::vector<std::string> command : commands_in(row.at("hint").get<std::string>())) {
+      if (command.front() != "--help" && command != std::vector<std::string>{"methods"}) command.emplace_back("--help");
+      const Ran ran = run(command);
+      EXPECT_EQ(ran.exit_code, 0) << row.at("hint") << ran.err;
+      ++run_ones;
+    }
+  }
+  EXPECT_GE(run_ones, 3U);
+}
+
+/// What a refusal or a warning says helps.
+TEST_F(Command, every_way_out_that_a_message_names_works) {
+  std::string rows;
+  for (const Point3& p : testing::sphere_points(500)) {
+    rows += std::to_string(p[0]) + "," + std::to_string(p[1]) + "," + std::to_string(p[2]) + "\n";
+  }
+  struct Way {
+    std::string file;
+    std::string text;
+    std::string parameter;
+  };
+  const std::string declared = "600\n" + rows;
+  for (const Way& way : std::vector<Way>{{"names.csv", "a,b,c\n" + rows, "columns=x,y,z"},
+                                         {"degrees.csv", "lon,lat,height\n" + rows, "columns=x,y,z"},
+                                         {"cut.pts", declared, "truncated=take"}}) {
+    const fs::path file = write(way.file, way.text);
+    const Ran refused = reconstruct(file);
+    EXPECT_EQ(refused.exit_code, 3) << way.file;
+    EXPECT_THAT(refused.err, HasSubstr(way.parameter)) << way.file;
+    const Ran taken =
+        run({"reconstruct", file, "-o", folder_ / "m.glb", "--method", "advancing-front", "--param", way.parameter});
+    EXPECT_EQ(taken.exit_code, 0) << way.file << taken.err;
   }
 }
 

@@ -125,7 +125,7 @@ TEST_F(ServiceTest, bad_input_has_its_code_and_the_server_goes_on) {
       {"text garbage", "unknown_format"},
       {std::string("\x89PNG\r\n\x1a\n", 8) + std::string(50, '\0'), "unknown_format"},
       {ply(testing::sphere_points(100)).substr(0, 500), "truncated_input"},
-      {head + "0 0 0\n1 0 0\nnan 0 0\n0 0 1\n", "coordinate_not_finite"},
+      {head + "nan 0 0\n1 inf 0\nnan 0 0\n0 0 nan\n", "coordinate_not_finite"},
       {head + "1 1 1\n1 1 1\n1 1 1\n1 1 1\n", "too_few_points"},
       {head + "0 0 0\n1 1 1\n2 2 2\n3 3 3\n", "collinear"},
   };
@@ -143,12 +143,26 @@ TEST_F(ServiceTest, bad_input_has_its_code_and_the_server_goes_on) {
   EXPECT_EQ(call("POST", "/v1/reconstruct?method=advancing-front", ply(testing::sphere_points(100))).status, 200);
 }
 
+TEST_F(ServiceTest, the_accept_header_chooses_the_format_of_the_mesh_unless_the_query_does) {
+  const std::string body = ply(testing::sphere_points(100));
+  const auto type_for = [&](const std::string& query, const std::string& accept) {
+    const Answer answer = call("POST", "/v1/reconstruct?method=advancing-front" + query, body, {{"Accept", accept}});
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    return answer.headers.at("content-type");
+  };
+  EXPECT_EQ(type_for("", "*/*"), "model/gltf-binary");
+  EXPECT_EQ(type_for("", "model/stl"), "model/stl");
+  EXPECT_EQ(type_for("", "model/obj;q=0.5, model/3mf"), "model/3mf");
+  EXPECT_EQ(type_for("&output=obj", "model/stl"), "model/obj");
+}
+
 TEST_F(ServiceTest, wrong_requests_are_refused_before_anything_is_stored) {
   const std::string body = ply(testing::sphere_points(100));
   EXPECT_EQ(code_of(call("POST", "/v1/jobs?method=magic", body)), "unknown_method");
   EXPECT_EQ(code_of(call("POST", "/v1/jobs?method=advancing-front&gamma=1", body)), "unknown_parameter");
   EXPECT_EQ(code_of(call("POST", "/v1/jobs?method=advancing-front&beta=%FF", body)), "invalid_request");
-  EXPECT_EQ(code_of(call("POST", "/v1/jobs", body, {{"Content-Encoding", "gzip"}})), "unsupported_content_encoding");
+  EXPECT_EQ(code_of(call("POST", "/v1/jobs", body, {{"Content-Encoding", "br"}})), "unsupported_content_encoding");
+  EXPECT_EQ(code_of(call("POST", "/v1/reconstruct", body, {{"Accept", "image/png"}})), "not_acceptable");
   EXPECT_EQ(code_of(call("POST", "/v1/jobs", "{}", {{"Content-Type", "application/json"}})), "invalid_request");
   EXPECT_EQ(code_of(call("POST", "/v1/jobs", "")), "empty_input");
   EXPECT_EQ(code_of(call("GET", "/v1/jobs/0123?wait=61")), "invalid_parameter");

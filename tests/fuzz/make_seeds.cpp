@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "io/io.hpp"
+#include "io/zip.hpp"
 #include "support/draco_files.hpp"
 #include "support/ply_files.hpp"
 #include "support/scan_files.hpp"
@@ -102,10 +103,20 @@ void save_scan_seeds() {
     save_text("las/" + std::to_string(format) + ".las", las_file({{{1, -2, 3}, {65535, 0, 7}}, {{4, 5, 6}, {1, 2, 3}}},
                                                                  {.minor = format == 7 ? 4 : 2, .format = format}));
   }
+  save_text("obj/continued.obj", "g \\\nname\nv 1 \\\n 2 3\nv 4 5 6\n");
   save_text("stl/more.stl", binary_stl(two_facets(), "made by hand") + "more");
   save_text("pcd/nothing.pcd",
             "VERSION .7\nFIELDS x y _ z r g b\nSIZE 4 4 1 4 8 8 8\nTYPE F F U F F F F\n"
             "COUNT 1 1 0 1 1 1 1\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3 4 5 6\n");
+  save_text("las/fewer.las", las_file({{{1, -2, 3}}, {{4, 5, 6}}}, {.declared = 1}));
+  save_text("ply/packed.ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float X\nproperty float Y\nproperty float Z\n"
+            "property uint rgb\nend_header\n1 2 3 66051\n");
+  save_text("ply/splat.ply",
+            "ply \nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+            "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
+            "property float scale_0\nproperty float rot_0\nend_header\n1 2 3 0.5 0 -1 2 -3 1\n");
+  save("mesh/archive.zip", io::write_zip({{"folder/a.obj", std::string(kObj)}}).value());
   std::string points(kTwoNodes);
   points.replace(points.find("\"mode\":5"), 8, "\"mode\":0");
   save_text("gltf/points.gltf", points);

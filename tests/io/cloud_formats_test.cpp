@@ -24,6 +24,18 @@ RawCloud read(std::string_view text) {
   return cloud ? std::move(*cloud) : RawCloud{};
 }
 
+/// The points whose coordinates are numbers, with their attributes.
+RawCloud without_unmeasured(RawCloud cloud) {
+  for (std::size_t i = cloud.size(); i-- > 0;) {
+    if (cloud.positions[i][0] == cloud.positions[i][0]) continue;
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    cloud.positions.erase(cloud.positions.begin() + at);
+    if (!cloud.normals.empty()) cloud.normals.erase(cloud.normals.begin() + at);
+    if (!cloud.colors.empty()) cloud.colors.erase(cloud.colors.begin() + at);
+  }
+  return cloud;
+}
+
 TEST(TextCloud, rows_of_numbers_are_points_whatever_separates_them) {
   for (const char* text : {"1 2 3\n4 5 6.5\n", "1\t2\t3\r\n4\t5\t6.5\r\n", "1,2,3\n4,5,6.5", "1; 2; 3;\n4;5;6,5;\n",
                            "\xef\xbb\xbf 1 2 3\r4 5 6.5", "# c\n\n  +1 2e0 3\n// c\n4 5 0.65e1\n"}) {
@@ -38,10 +50,11 @@ TEST(TextCloud, groups_of_three_columns_are_normals_or_colours_by_their_values) 
   const RawCloud normals = read("1 2 3 0 0 1\n4 5 6 0.6 0.8 0\n");
   EXPECT_EQ(normals.normals, (std::vector<Normal3>{{0, 0, 1}, {0.6F, 0.8F, 0}}));
   EXPECT_TRUE(normals.colors.empty());
-  const RawCloud both = read("1 2 3 9 8 7 0 0 1\n4 5 6 6 5 4 -1 0 0\n");
-  EXPECT_EQ(both.colors, (Colors{{9, 8, 7, 255}, {6, 5, 4, 255}}));
+  const RawCloud both = read("1 2 3 90 80 70 0 0 1\n4 5 6 60 50 40 -1 0 0\n");
+  EXPECT_EQ(both.colors, (Colors{{90, 80, 70, 255}, {60, 50, 40, 255}}));
   EXPECT_EQ(both.normals, (std::vector<Normal3>{{0, 0, 1}, {-1, 0, 0}}));
-  EXPECT_THAT(both.warnings, IsEmpty());
+  EXPECT_THAT(both.warnings, ElementsAre(HasSubstr("guessed from their values")));
+  EXPECT_THAT(read("1 2 3\n4 5 6\n").warnings, IsEmpty());
 }
 
 TEST(TextCloud, other_columns_are_ignored_with_a_warning) {
@@ -74,7 +87,7 @@ TEST(ObjCloud, takes_vertices_with_their_colours_and_leaves_faces_aside) {
   const RawCloud cloud = read(kObj);
   EXPECT_EQ(cloud.positions, (Points{{1, 2, 3}, {4, 5, 6}, {7, 8, 9.25}, {1, 1, 1}}));
   EXPECT_EQ(cloud.colors[0], (Color4{255, 0, 128, 255}));
-  EXPECT_THAT(cloud.warnings, ElementsAre(HasSubstr("normals dropped")));
+  EXPECT_THAT(cloud.warnings, ElementsAre(HasSubstr("normals dropped"), HasSubstr("input=mesh")));
 }
 
 TEST(ObjCloud, takes_normals_that_stand_beside_the_vertices_of_a_cloud) {
@@ -105,15 +118,18 @@ TEST(StlMesh, equal_corners_are_one_vertex) {
 
 TEST(PcdCloud, ascii_binary_and_compressed_give_the_same_points) {
   for (const std::string& text : {pcd_ascii(), pcd_binary(), pcd_compressed()}) {
-    const RawCloud cloud = read(text);
+    const RawCloud cloud = without_unmeasured(read(text));
     EXPECT_EQ(cloud.positions, (Points{{1.5, 2, 3.25}, {-1, -2, -3}}));
     EXPECT_EQ(cloud.normals, (std::vector<Normal3>{{0, 0, 1}, {1, 0, 0}}));
     EXPECT_EQ(cloud.colors, (Colors{{1, 2, 3, 255}, {255, 0, 0, 255}}));
   }
 }
 
-TEST(PcdCloud, points_without_a_measurement_are_left_out_with_a_warning) {
-  EXPECT_THAT(read(pcd_ascii()).warnings, ElementsAre(HasSubstr("1 points without a measurement")));
+TEST(PcdCloud, points_without_a_measurement_are_left_out_where_a_cloud_is_made) {
+  const auto cloud = make_cloud(read(pcd_ascii()), 1, Missing::drop);
+  ASSERT_TRUE(cloud.ok()) << detail_of(cloud);
+  EXPECT_EQ(cloud->size(), 2U);
+  EXPECT_THAT(cloud->warnings, ElementsAre(HasSubstr("1 of 3 points left out")));
 }
 
 TEST(PcdCloud, colours_printed_as_floats_are_their_bits) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "io/io.hpp"
 #include "support/results.hpp"
 #include "support/scan_files.hpp"
@@ -18,8 +20,8 @@ using ::testing::IsEmpty;
 using Points = std::vector<Point3>;
 using Colors = std::vector<Color4>;
 
-RawCloud read(std::string_view text) {
-  auto cloud = parse_cloud(as_bytes(text), "test");
+RawCloud read(std::string_view text, const ReadOptions& options = {}) {
+  auto cloud = parse_cloud(as_bytes(text), "test", options);
   EXPECT_EQ(code_of(cloud), "ok") << detail_of(cloud);
   return cloud ? std::move(*cloud) : RawCloud{};
 }
@@ -40,6 +42,50 @@ TEST(PlyDetails, names_may_be_written_large) {
                  "property uchar Red\nproperty uchar Green\nproperty uchar Blue\nend_header\n1 2 3 4 5 6\n")
                 .colors,
             (Colors{{4, 5, 6, 255}}));
+}
+
+TEST(PlyDetails, packed_colours_are_read_from_integers_and_from_floats) {
+  for (const std::string order : {"binary_little_endian", "binary_big_endian"}) {
+    for (const std::string type : {"float", "uint", "int"}) {
+      std::string rows(16, '\0');
+      for (std::size_t i = 0; i < 4; ++i) {
+        const std::string bytes("\x03\x02\x01\x80", 4);
+        rows[12 + i] = order == "binary_big_endian" ? bytes[3 - i] : bytes[i];
+      }
+      EXPECT_EQ(read(ply_of(order, "property " + type + " rgb\n", rows)).colors, (Colors{{1, 2, 3, 255}}));
+      EXPECT_EQ(read(ply_of(order, "property " + type + " rgba\n", rows)).colors, (Colors{{1, 2, 3, 128}}));
+    }
+  }
+  EXPECT_EQ(read(ply_of("ascii", "property uint rgb\n", "1 2 3 66051\n")).colors, (Colors{{1, 2, 3, 255}}));
+}
+
+const std::string kGaussian =
+    "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\nproperty float "
+    "scale_0\nproperty float scale_1\nproperty float scale_2\nproperty float rot_0\n";
+
+TEST(PlyDetails, gaussians_have_the_colour_of_their_first_harmonic_and_are_filtered_if_that_is_wanted) {
+  // Opacity 1/2 and 0.12, longest half-axes 1 and e.
+  const std::string text = ply_of("ascii", kGaussian, "1 2 3 0 10 -10 0 -1 0 -1 1\n4 5 6 0 0 0 -2 1 0 0 1\n", 2);
+  const RawCloud all = read(text);
+  EXPECT_EQ(all.colors, (Colors{{128, 255, 0, 255}, {128, 128, 128, 255}}));
+  EXPECT_THAT(all.warnings, ElementsAre(HasSubstr("splat_opacity")));
+  ReadOptions options;
+  options.splats.least_opacity = 0.3;
+  EXPECT_EQ(read(text, options).positions, (Points{{1, 2, 3}}));
+  options.splats = {.least_opacity = {}, .largest_scale = 1.5};
+  EXPECT_EQ(read(text, options).positions, (Points{{1, 2, 3}}));
+  EXPECT_EQ(read(text, options).colors.size(), 1U);
+}
+
+TEST(PlyDetails, faces_of_a_mesh_that_is_sent_as_a_cloud_are_counted_and_said) {
+  for (const MeshFormat format :
+       {MeshFormat::ply, MeshFormat::glb, MeshFormat::obj, MeshFormat::stl, MeshFormat::drc, MeshFormat::threemf}) {
+    const auto bytes = encode_mesh(tetrahedron(), format).value();
+    const auto cloud = parse_cloud(bytes, "tetrahedron");
+    ASSERT_TRUE(cloud.ok()) << detail_of(cloud);
+    EXPECT_EQ(cloud->source.faces, 4U) << name_of(format);
+    EXPECT_THAT(cloud->warnings.back(), HasSubstr("input=mesh")) << name_of(format);
+  }
 }
 
 TEST(PcdDetails, fields_that_take_no_place_are_skipped) {
@@ -72,13 +118,18 @@ TEST(ObjDetails, a_statement_goes_on_behind_a_backslash) {
   EXPECT_EQ(read("v 1 2 3\nv 4 5 6 \\").positions.size(), 2U);
 }
 
-TEST(LasDetails, a_count_that_is_too_small_is_warned_of) {
+TEST(LasDetails, a_count_that_is_too_small_is_warned_of_and_one_too_large_is_taken_if_that_is_wanted) {
   const std::vector<LasPoint> points{{{1, 1, 1}, {}}, {{2, 2, 2}, {}}, {{3, 3, 3}, {}}};
   const RawCloud few = read(las_file(points, {.declared = 2}));
   EXPECT_EQ(few.size(), 2U);
   EXPECT_THAT(few.warnings, ElementsAre(HasSubstr("declares 2 points, 3 are there")));
   EXPECT_THAT(read(las_file(points)).warnings, IsEmpty());
-  EXPECT_EQ(code_of(parse_text(las_file(points, {.declared = 9}))), "truncated_input");
+  const std::string many = las_file(points, {.declared = 9});
+  EXPECT_THAT(detail_of(parse_text(many)), HasSubstr("truncated=take"));
+  ReadOptions options;
+  options.take_truncated = true;
+  EXPECT_EQ(read(many, options).size(), 3U);
+  EXPECT_THAT(read(many, options).warnings, ElementsAre(HasSubstr("declares 9 points, 3 are there")));
 }
 
 /// Four points of 16 bits, and normals of 8, in a node that scales and moves them.

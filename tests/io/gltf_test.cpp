@@ -190,7 +190,7 @@ std::vector<Damage> damages() {
       {"a node twice", set("/scenes/0/nodes", {0, 0}), "malformed_input", "two parents"},
       {"a node that is its own child", set("/nodes/0/children", {0}), "malformed_input", "two parents"},
       {"a node that is not there", set("/scenes/0/nodes", {3}), "malformed_input", "nodes[3]"},
-      {"no asset", erase("asset"), "malformed_input", "asset"},
+      {"no asset", erase("asset"), "unknown_format", "asset"},
       {"version 1", set("/asset/version", "1.0"), "unsupported_feature", "'1.0'"},
       {"no scene content", erase("nodes"), "malformed_input", "nodes[0]"},
       {"an empty scene", set("/scenes/0/nodes", Json::array()), "empty_input", "no triangles"},

@@ -23,7 +23,7 @@ std::vector<Refused> refused_files() {
   const std::string start = "ply\nformat ascii 1.0\n";
   return {
       {"an empty file", "", "empty_input", "0 bytes"},
-      {"a PNG", "\x89PNG\r\n\x1a\n lots of pixels", "unknown_format", "PNG"},
+      {"a PNG", "\x89PNG\r\n\x1a\n lots of pixels", "unknown_format", "picture"},
       {"text", "Dear Sir or Madam,\n", "unknown_format", "Dear Sir"},
       {"three letters", "ply", "unknown_format", "'ply'"},
       {"a header cut off", "ply\nformat ascii 1.0\nelement vert", "truncated_input", "line 2"},

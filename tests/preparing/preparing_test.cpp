@@ -24,6 +24,7 @@ struct Named {
 const std::vector<Named>& stages() {
   static const std::vector<Named> all{
       {"outliers", [](const PointCloud& c, Context& x) { return without_outliers(c, 3, x); }},
+      {"fuse", [](const PointCloud& c, Context& x) { return fused(c, 0.1, x); }},
       {"grid", [](const PointCloud& c, Context& x) { return sampled(c, std::nullopt, x); }},
       {"hierarchy", [](const PointCloud& c, Context& x) { return clustered(c, 0.25, x); }},
       {"wlop", [](const PointCloud& c, Context& x) { return consolidated(c, 0.25, x); }},
@@ -161,6 +162,116 @@ TEST(Preparing, stops_when_cancelled) {
     ASSERT_FALSE(result) << name;
     EXPECT_EQ(result.error().code, ErrorCode::cancelled) << name;
   }
+}
+
+/// Every point `times` over, each time a little off.
+std::vector<Point3> repeated(const std::vector<Point3>& points, int times, double off) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> shift(-off, off);
+  std::vector<Point3> all;
+  for (int k = 0; k < times; ++k) {
+    for (const Point3& p : points) all.push_back({p[0] + shift(random), p[1] + shift(random), p[2] + shift(random)});
+  }
+  return all;
+}
+
+TEST(NearRepeats, are_recognised_and_fused_whatever_their_number_and_scale) {
+  const std::vector<Point3> points = testing::sphere_points(500);  // about 0.15 apart
+  Context context;
+  for (const int times : {2, 5, 12, 40}) {
+    for (const double off : {1e-9, 1e-6, 0.005}) {
+      const PointCloud cloud = cloud_of(repeated(points, times, off));
+      const auto repeats = near_repeats_of(cloud.positions);
+      ASSERT_TRUE(repeats) << times << " " << off;
+      EXPECT_GT(repeats->tolerance, 2 * off);
+      EXPECT_LT(repeats->tolerance, 0.1);
+      EXPECT_GT(repeats->share, 0.99);
+      const PointCloud once = *fused(cloud, repeats->tolerance, context);
+      EXPECT_EQ(once.size(), points.size()) << times << " " << off;
+      EXPECT_FALSE(near_repeats_of(once.positions));
+    }
+  }
+}
+
+TEST(NearRepeats, are_not_seen_in_grids_scan_lines_random_points_or_bodies_apart) {
+  std::vector<Point3> grid;
+  std::vector<Point3> lines;
+  std::vector<Point3> bodies;
+  for (int i = 0; i < 60; ++i) {
+    for (int j = 0; j < 60; ++j) {
+      grid.push_back({i + 0.0, j + 0.0, 0});
+      lines.push_back({i * 10.0, j + 0.0, std::sin(0.1 * j)});
+    }
+  }
+  for (int k = 0; k < 12; ++k) {
+    for (const Point3& p : testing::sphere_points(50)) bodies.push_back({p[0] + 100 * k, p[1], p[2]});
+  }
+  for (const std::vector<Point3>& points :
+       {grid, lines, bodies, testing::random_points(5000, 3), testing::random_torus(4000, 7, 0.02),
+        testing::sphere_points(300), std::vector<Point3>{{0, 0, 0}, {1, 0, 0}}}) {
+    EXPECT_FALSE(near_repeats_of(cloud_of(points).positions)) << points.size();
+  }
+}
+
+TEST(Fusing, takes_the_mean_weighted_by_how_often_a_point_was_there_and_the_means_of_what_belongs_to_it) {
+  RawCloud raw = testing::raw_cloud({{0, 0, 0}, {0, 0, 0}, {0, 0, 0.5}, {9, 9, 9}});
+  raw.normals = {{1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  raw.colors = {{90, 0, 0, 255}, {90, 0, 0, 255}, {0, 30, 0, 255}, {1, 2, 3, 4}};
+  Context context;
+  const PointCloud once = *fused(*make_cloud(raw), 1, context);
+  ASSERT_EQ(once.size(), 2U);
+  EXPECT_NEAR(once.positions[0][2], 0.5 / 3, 1e-15);
+  EXPECT_EQ(once.colors[0], (Color4{60, 10, 0, 255}));
+  EXPECT_NEAR(static_cast<double>(once.normals[0][0]), 2 / std::sqrt(5.0), 1e-6);
+}
+
+TEST(Fusing, costs_about_as_much_for_any_distance) {
+  const PointCloud cloud = cloud_of(testing::random_points(20000, 3));
+  Context context;
+  for (const double x : {1e-12, 1e-3, 0.1, 10.0, 1e300}) {
+    const PointCloud once = *fused(cloud, x, context);
+    EXPECT_GE(once.size(), 1U);
+    if (x >= 10) {
+      EXPECT_EQ(once.size(), 1U);
+    }
+  }
+}
+
+TEST(Sampling, of_points_that_repeat_takes_cells_of_the_size_of_the_spacing_of_what_was_scanned) {
+  const std::vector<Point3> points = testing::sphere_points(2000);
+  Context context;
+  const std::size_t plain = sampled(cloud_of(points), std::nullopt, context)->size();
+  const std::size_t repeats = sampled(cloud_of(repeated(points, 5, 1e-6)), std::nullopt, context)->size();
+  EXPECT_NEAR(static_cast<double>(repeats), static_cast<double>(plain), 0.05 * static_cast<double>(plain));
+}
+
+std::vector<Point3> rounded_to_float(std::vector<Point3> points) {
+  for (Point3& p : points) {
+    for (double& x : p) x = static_cast<double>(static_cast<float>(x));
+  }
+  return points;
+}
+
+TEST(FloatSteps, are_found_where_coordinates_far_from_the_origin_were_rounded_and_nowhere_else) {
+  std::vector<Point3> far = testing::sphere_points(1000);
+  for (Point3& p : far) p = {10 * p[0] + 432100, 10 * p[1] + 5431200, 10 * p[2] + 318};
+  const auto steps = float_steps_of(rounded_to_float(far), 1);
+  ASSERT_TRUE(steps);
+  EXPECT_EQ(steps->step, 0.5);
+  EXPECT_GT(steps->spacing, 0.3);
+  std::vector<Point3> printed = rounded_to_float(far);
+  for (Point3& p : printed) {
+    for (double& x : p) x = std::round(1000 * x) / 1000;
+  }
+  EXPECT_TRUE(float_steps_of(printed, 1));
+  EXPECT_FALSE(float_steps_of(far, 1));
+  EXPECT_FALSE(float_steps_of(rounded_to_float(testing::sphere_points(1000)), 1));
+  std::vector<Point3> wide = testing::sphere_points(1000);
+  for (Point3& p : wide) p = {1e5 * p[0] + 432100, 1e5 * p[1] + 5431200, 1e5 * p[2] + 318};
+  EXPECT_FALSE(float_steps_of(rounded_to_float(wide), 1));
+  std::vector<Point3> raster;
+  for (int i = 0; i < 1600; ++i) raster.push_back({432100.0 + i % 40, 5431200.0 + i / 40, 0.37 * (i % 7)});
+  EXPECT_FALSE(float_steps_of(raster, 1));
 }
 
 }  // namespace

@@ -166,14 +166,28 @@ inline constexpr std::string_view kObj =
 
 /// One valid text of every kind.
 inline std::vector<std::pair<std::string, std::string>> text_clouds() {
-  return {{"plain.xyz", "1 2 3\n4.5\t5 6\n\n7 8 9e1\n"},
-          {"colors.xyz", "# made by hand\n1 2 3 255 0 7\n4 5 6 0 128 9\n"},
-          {"normals.xyz", "1 2 3 0 0 1\n4 5 6 0.6 0.8 0\n"},
-          {"both.xyz", "1 2 3 0 0 1 9 8 7\n4 5 6 -1 0 0 6 5 4\n"},
-          {"header.csv", "id,Y,X,Z,Red,Green,Blue,\"nx\",ny,nz\n1,2,1,3,0.5,0,1,0,0,1\n2,5,4,6,1,1,0,0,1,0\n"},
-          {"decimal_comma.csv", "x;y;z\r\n1,5;2;3\r\n4;5;6,25\r\n"},
-          {"cloud_compare.txt", "//X Y Z R G B\n1 2 3 10 20 30\n4 5 6 40 50 60\n"},
-          {"scans.pts", "2\n1 2 3 -100 10 20 30\n4 5 6 7 40 50 60\n1\n7 8 9 0 0 0 0\n"}};
+  return {
+      {"plain.xyz", "1 2 3\n4.5\t5 6\n\n7 8 9e1\n"},
+      {"colors.xyz", "# made by hand\n1 2 3 255 0 7\n4 5 6 0 128 9\n"},
+      {"normals.xyz", "1 2 3 0 0 1\n4 5 6 0.6 0.8 0\n"},
+      {"both.xyz", "1 2 3 0 0 1 9 8 7\n4 5 6 -1 0 0 6 5 4\n"},
+      {"header.csv", "id,Y,X,Z,Red,Green,Blue,\"nx\",ny,nz\n1,2,1,3,0.5,0,1,0,0,1\n2,5,4,6,1,1,0,0,1,0\n"},
+      {"decimal_comma.csv", "x;y;z\r\n1,5;2;3\r\n4;5;6,25\r\n"},
+      {"cloud_compare.txt", "//X Y Z R G B\n1 2 3 10 20 30\n4 5 6 40 50 60\n"},
+      {"cloud_compare_count.txt", "//X Y Z Scalar field\n2\n1 2 3 10\n4 5 6 40\n"},
+      {"survey.csv", "Point,Easting[m],Northing[m],Elevation,Code\n1,4321.5,5431.25,318,TREE\n2,4322,5432,317.5,\n"},
+      {"numbers.csv", "101,4321.5,5431.25,318,TREE\n102,4322,5432,317.5,KERB\n104,4323,5433,nan,\n"},
+      {"quoted.csv", "sep=,\n\"Point ID\",\"X\",\"Y\",\"Z\"\n1,\"0,5\",\"1,5\",\"2,5\"\n2,\"3,5\",\"NA\",\"5,5\"\n"},
+      {"classes.txt", "exported\n1.5|2|3|65|1|1\n4.5|5|6|64|1|2\n"},
+      {"utf16.txt", std::string("\xff\xfe"
+                                "1\0 \0"
+                                "2\0 \0"
+                                "3\0\n\0"
+                                "4\0 \0"
+                                "5\0 \0"
+                                "6\0",
+                                24)},
+      {"scans.pts", "2\n1 2 3 -100 10 20 30\n4 5 6 7 40 50 60\n1\n7 8 9 0 0 0 0\n"}};
 }
 
 }  // namespace surfaced::testing

@@ -92,21 +92,9 @@ export function readPcd(bytes: Uint8Array): Float32Array | Float64Array {
   const fields = fieldsOf(header);
   const points = Number(header.get('POINTS')?.[0] ?? Number(header.get('WIDTH')?.[0]) * Number(header.get('HEIGHT')?.[0]));
   const body = bytes.subarray(end.index + end[0].length);
-  // Points that a depth camera did not see are NaN.
-  const finite = (xyz: Float32Array | Float64Array) => keepFinite(xyz);
-  if (end[1] === 'ascii') return finite(pickAscii(new TextDecoder('latin1').decode(body), fields, points));
-  if (end[1] === 'binary') return finite(pick(body, placesOf(fields, points, false), points));
+  if (end[1] === 'ascii') return pickAscii(new TextDecoder('latin1').decode(body), fields, points);
+  if (end[1] === 'binary') return pick(body, placesOf(fields, points, false), points);
   const view = new DataView(body.buffer, body.byteOffset);
   const unpacked = unpackLzf(body.subarray(8, 8 + view.getUint32(0, true)), view.getUint32(4, true));
-  return finite(pick(unpacked, placesOf(fields, points, true), points));
-}
-
-function keepFinite(xyz: Float32Array | Float64Array): Float32Array | Float64Array {
-  let kept = 0;
-  for (let i = 0; i < xyz.length; i += 3) {
-    if (!Number.isFinite(xyz[i]) || !Number.isFinite(xyz[i + 1]) || !Number.isFinite(xyz[i + 2])) continue;
-    xyz.copyWithin(kept, i, i + 3);
-    kept += 3;
-  }
-  return xyz.slice(0, kept);
+  return pick(unpacked, placesOf(fields, points, true), points);
 }

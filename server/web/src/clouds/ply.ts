@@ -56,7 +56,7 @@ function readHeader(bytes: Uint8Array): Header {
 }
 
 function axesOf(vertex: Element): number[] {
-  const axes = ['x', 'y', 'z'].map((name) => vertex.properties.findIndex((property) => property.name === name && !property.countType));
+  const axes = ['x', 'y', 'z'].map((name) => vertex.properties.findIndex((property) => property.name.toLowerCase() === name && !property.countType));
   if (axes.includes(-1)) throw new UnreadableCloud('the PLY has no scalars x, y and z');
   return axes;
 }

@@ -7,11 +7,24 @@ import { readLas } from './las';
 import { readPcd } from './pcd';
 import { readPly } from './ply';
 import { isBinaryStl, readStl } from './stl';
-import { isObj, readObj, readText } from './text';
+import { decodeText, isObj, readObj, readText } from './text';
 
-export async function readCloud(bytes: Uint8Array): Promise<CloudData> {
+const isGzip = (bytes: Uint8Array): boolean => bytes[0] === 0x1f && bytes[1] === 0x8b;
+const isUtf16 = ([first, second]: Uint8Array): boolean => (first === 0xff && second === 0xfe) || (first === 0xfe && second === 0xff);
+
+async function gunzipped(bytes: Uint8Array): Promise<Uint8Array> {
+  const stream = new Blob([bytes as BlobPart]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+export async function readCloud(given: Uint8Array): Promise<CloudData> {
+  const unpacked = isGzip(given) ? await gunzipped(given) : given;
+  // A byte order mark may stand before any format of text.
+  const marked = unpacked[0] === 0xef && unpacked[1] === 0xbb && unpacked[2] === 0xbf;
+  const bytes = marked ? unpacked.subarray(3) : unpacked;
+  if (isUtf16(bytes)) return readCloud(new TextEncoder().encode(decodeText(bytes)));
   const head = new TextDecoder('latin1').decode(bytes.subarray(0, 4096));
-  if (head.startsWith('ply')) return toCloudData(readPly(bytes), 'PLY');
+  if (/^ply[ \t]*[\r\n]/i.test(head)) return toCloudData(readPly(bytes), 'PLY');
   if (head.startsWith('DRACO')) return toCloudData((await decodeDraco(bytes)).positions, 'Draco');
   if (head.startsWith('LASF')) return toCloudData(readLas(bytes), 'LAS');
   if (head.startsWith('glTF')) {
@@ -27,5 +40,6 @@ export async function readCloud(bytes: Uint8Array): Promise<CloudData> {
   if (isObj(head)) return toCloudData(readObj(bytes), 'OBJ');
   // eslint-disable-next-line no-control-regex
   if (/[\x00-\x08\x0e-\x1f]/.test(head)) throw new UnreadableCloud('the file is in no format that this page reads');
-  return toCloudData(readText(bytes), 'text');
+  const { xyz, form } = readText(bytes);
+  return { ...toCloudData(xyz, 'text'), table: form };
 }

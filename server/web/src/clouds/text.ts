@@ -1,48 +1,50 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Positions of text: XYZ, CSV, PTS. The first three numbers of a line are the point, unless a header names the columns.
+// Positions of text: XYZ, CSV, PTS, as the server reads them.
 import { UnreadableCloud } from './cloud_data';
+import { guessTable, isComment, kTableSample, parseCell, valuesOf, type TableForm, type TableOptions } from './table';
 
-const kComment = /^\s*(#|\/\/|;|$)/;
-
-export function splitLine(line: string): string[] {
-  const trimmed = line.trim();
-  if (trimmed.includes(';')) return trimmed.replaceAll(',', '.').split(/[\s;]+/);
-  if (trimmed.includes('\t') || !trimmed.includes(',')) return trimmed.split(/\s+/);
-  return trimmed.split(/\s*,\s*/);
+export interface TextPoints {
+  xyz: Float64Array;
+  form: TableForm;
 }
 
-function columnsOf(words: string[]): number[] | undefined {
-  const names = words.map((word) => word.toLowerCase().replace(/["/]/g, ''));
-  const columns = ['x', 'y', 'z'].map((axis) => names.findIndex((name) => name === axis || name === `${axis}coord`));
-  return columns.includes(-1) ? undefined : columns;
+/** Text of any encoding that a byte order mark or its zeros tell. */
+export function decodeText(bytes: Uint8Array): string {
+  const [first, second] = bytes;
+  const zeros = [0, 1].map((offset) => bytes.subarray(0, 16).filter((byte, i) => i % 2 === offset && byte === 0).length);
+  const little = (first === 0xff && second === 0xfe) || (zeros[0] === 0 && zeros[1] === 8);
+  const big = (first === 0xfe && second === 0xff) || (zeros[0] === 8 && zeros[1] === 0);
+  return new TextDecoder(little ? 'utf-16le' : big ? 'utf-16be' : 'utf-8').decode(bytes).replace(/^\uFEFF/, '');
 }
 
-export function readText(bytes: Uint8Array): Float64Array {
-  const lines = new TextDecoder('utf-8').decode(bytes).replace(/^\uFEFF/, '').split(/\r?\n/);
+/** The form of a text, told by as many of its bytes as the server looks at. */
+export function formOf(text: string, options: TableOptions = {}): TableForm {
+  const bytes = new TextEncoder().encode(text.slice(0, kTableSample));
+  if (bytes.length <= kTableSample && text.length <= kTableSample) return guessTable(text, true, options);
+  return guessTable(new TextDecoder('utf-8').decode(bytes.subarray(0, kTableSample)), false, options);
+}
+
+export function readText(bytes: Uint8Array, options: TableOptions = {}): TextPoints {
+  const text = decodeText(bytes);
+  const form = formOf(text, options);
+  const columns = (['x', 'y', 'z'] as const).map((role) => form.roles.indexOf(role));
   const values: number[] = [];
-  let columns = [0, 1, 2];
-  let header = false;
-  lines.forEach((line, at) => {
-    if (kComment.test(line)) return;
-    const words = splitLine(line);
-    const point = columns.map((column) => Number(words[column] || NaN));
-    if (point.every(Number.isFinite)) {
-      values.push(...point);
-      return;
-    }
-    // PTS gives the count of the points that follow.
-    if (words.length === 1 && /^\d+$/.test(words[0])) return;
-    if (header || values.length > 0) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
-    header = true;
-    columns = columnsOf(words) ?? columns;
+  text.split(/\r\n|\n|\r/).forEach((line, at) => {
+    const start = line.trimStart();
+    if (at < form.skip || start === '' || isComment(start)) return;
+    const cells = valuesOf(line, form.separator);
+    if (cells.length === 1) return; // a count of points
+    const point = columns.map((column) => (column < cells.length ? parseCell(cells[column], form.decimalComma) : undefined));
+    if (point.includes(undefined)) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
+    if (point.every(Number.isFinite)) values.push(...(point as number[]));
   });
-  if (values.length === 0) throw new UnreadableCloud('the text holds no lines of three numbers');
-  return Float64Array.from(values);
+  if (values.length === 0) throw new UnreadableCloud('the text holds no points');
+  return { xyz: Float64Array.from(values), form };
 }
 
 export function readObj(bytes: Uint8Array): Float64Array {
   const values: number[] = [];
-  for (const line of new TextDecoder('utf-8').decode(bytes).split('\n')) {
+  for (const line of decodeText(bytes).replace(/\\\r?\n/g, ' ').split('\n')) {
     if (!line.startsWith('v ') && !line.startsWith('v\t')) continue;
     const words = line.trim().split(/\s+/);
     values.push(Number(words[1]), Number(words[2]), Number(words[3]));

@@ -2,6 +2,7 @@
 // The first step: which cloud.
 import type { Session } from '../app/session';
 import type { ChosenCloud, State } from '../app/state';
+import { wordOf } from '../clouds/table';
 import { bytes, count, real } from '../words/numbers';
 import { whenChanged } from './changed';
 import { fill, h } from './dom';
@@ -23,9 +24,20 @@ function facts(cloud: ChosenCloud): HTMLElement {
   if (cloud.size > 0) rows.push(['Size', bytes(cloud.size)]);
   const { data } = cloud;
   if (data) {
-    rows.push(['Format', data.format], ['Points', count(data.positions.length / 3)], ['Extent', extent(data.positions)]);
+    rows.push(['Format', data.format], ['Points', count(data.positions.length / 3 + data.missing)], ['Extent', extent(data.positions)]);
   }
   return h('dl', { class: 'facts' }, ...rows.flatMap(([name, value]) => [h('dt', {}, name), h('dd', {}, value)]));
+}
+
+/** The first rows of a text under what their columns are taken for. */
+function rows(cloud: ChosenCloud): HTMLElement | undefined {
+  const table = cloud.data?.table;
+  if (!table) return undefined;
+  const how = `Columns ${table.guessed ? 'guessed' : 'read'} as ${table.roles.join(',')}, ${wordOf(table.separator)} between values, decimal ${table.decimalComma ? 'commas' : 'points'}.`;
+  return h('details', { class: 'table-preview', open: table.guessed }, h('summary', {}, 'Columns'), h('p', { class: 'hint' }, how, ' The parameters ', h('code', {}, 'columns'), ', ',
+    h('code', {}, 'separator'), ', ', h('code', {}, 'decimal'), ' and ', h('code', {}, 'skip'), ' say otherwise.'),
+    h('div', { class: 'scroll' }, h('table', {}, h('thead', {}, h('tr', {}, ...table.roles.map((role) => h('th', { scope: 'col' }, role)))),
+      h('tbody', {}, ...table.preview.map((cells) => h('tr', {}, ...table.roles.map((_, c) => h('td', {}, cells[c] ?? ''))))))));
 }
 
 function extent(positions: Float32Array): string {
@@ -44,6 +56,7 @@ export function mountCloudPanel(host: HTMLElement, session: Session): void {
     fill(host, h('h2', {}, h('span', { class: 'step', 'aria-hidden': 'true' }, '1'), 'Cloud'),
       cloud ? h('p', { class: 'name' }, cloud.name) : h('p', { class: 'hint' }, `Drop a file anywhere on the page, or choose one: ${kFormats}.`),
       cloud && facts(cloud),
+      cloud && rows(cloud),
       cloud?.noPreview && h('p', { class: 'note' }, `Its points are not shown: ${cloud.noPreview}. The server reads the file itself and may know it.`),
       h('div', { class: 'row' }, fileButton(session, cloud ? 'Another file …' : 'Choose a file …', cloud ? '' : 'primary')),
       state.samples.length > 0 && h('div', { class: 'row samples' }, h('span', { class: 'label' }, 'Samples'),

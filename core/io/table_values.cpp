@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/table_values.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace surfaced::io {
+namespace {
+
+/// How far from 1 the length of what counts as a normal may be: files round to as little as two digits.
+constexpr double kNormalSlack = 0.1;
+/// Rows from which on a column may be said to count.
+constexpr std::size_t kFewestCounted = 3;
+/// Points that were deleted leave gaps; this is the mean step, where there are rows enough to tell it from chance.
+constexpr double kLargestStep = 4;
+constexpr std::size_t kFewestWithGaps = 16;
+/// Classes, returns and counts of returns of laser scanners are no larger; colours are, somewhere in a cloud.
+constexpr double kLargestClass = 31;
+constexpr double kMostReturns = 15;
+
+bool is_constant(const ColumnValues& column) {
+  return std::ranges::all_of(column.values, [&](double x) { return x == column.values.front(); });
+}
+
+bool within(const ColumnValues& column, double low, double high) {
+  return std::ranges::all_of(column.values, [&](double x) { return std::isnan(x) || (x >= low && x <= high); });
+}
+
+double largest(const ColumnValues& column) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const double x : column.values) most = std::isnan(x) ? most : std::max(most, x);
+  return most;
+}
+
+/// Northing and easting as zones of transverse Mercator projections give them, in this order.
+bool are_north_and_east(const ColumnValues& first, const ColumnValues& second) {
+  return within(first, 1e6, 1e7) && within(second, 1e5, 999'999);
+}
+
+template <class Is>
+bool all_rows(const std::vector<ColumnValues>& columns, std::size_t first, Is is) {
+  for (std::size_t row = 0; row < columns[first].values.size(); ++row) {
+    if (!is({columns[first].values[row], columns[first + 1].values[row], columns[first + 2].values[row]})) return false;
+  }
+  return true;
+}
+
+/// Class, number of a return, number of returns, in any order.
+bool are_classes(const std::vector<ColumnValues>& columns, std::size_t first) {
+  const auto most = std::max({largest(columns[first]), largest(columns[first + 1]), largest(columns[first + 2])});
+  if (most <= kLargestClass) return true;
+  const auto returns = [&](std::size_t number) {
+    if (!within(columns[number], 1, kMostReturns) || !within(columns[number + 1], 1, kMostReturns)) return false;
+    for (std::size_t row = 0; row < columns[number].values.size(); ++row) {
+      if (columns[number].values[row] > columns[number + 1].values[row]) return false;
+    }
+    return true;
+  };
+  return returns(first) || returns(first + 1);
+}
+
+class Groups {
+ public:
+  Groups(const std::vector<ColumnValues>& columns, std::vector<Role>& roles) : columns_(columns), roles_(roles) {}
+
+  void take_normals() {
+    for (std::size_t c = 0; c + 3 <= columns_.size(); ++c) {
+      if (!is_free(c) || !all_rows(columns_, c, is_normal)) continue;
+      take(c, Role::nx);
+      return;
+    }
+  }
+
+  /// Where more than three neighbours would do, an intensity or opacity stands before or behind the colour: the colour
+  /// are those three whose darkest channel is the brightest; of equals the last, unless what follows is opaque.
+  void take_colors() {
+    std::optional<std::size_t> best;
+    double best_brightness = -1;
+    for (std::size_t c = 0; c + 3 <= columns_.size(); ++c) {
+      if (!is_free(c) || !all_rows(columns_, c, is_color) || are_classes(columns_, c)) continue;
+      const double brightness = std::min({rank(c), rank(c + 1), rank(c + 2)});
+      const bool opaque_follows = best && *best + 1 == c && is_opaque(c + 2);
+      if (brightness < best_brightness || opaque_follows) continue;
+      best = c;
+      best_brightness = brightness;
+    }
+    if (best) take(*best, Role::r);
+  }
+
+ private:
+  bool is_free(std::size_t first) const {
+    for (std::size_t c = first; c < first + 3; ++c) {
+      if (roles_[c] != Role::none || !columns_[c].numeric) return false;
+    }
+    return true;
+  }
+  /// Whether a channel may be more than a class: only that counts, not how bright it is.
+  double rank(std::size_t c) const { return largest(columns_[c]) > kLargestClass ? 1 : 0; }
+  bool is_opaque(std::size_t c) const { return is_constant(columns_[c]) && columns_[c].values.front() == 255; }
+  void take(std::size_t first, Role role) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      roles_[first + i] = static_cast<Role>(static_cast<std::size_t>(role) + i);
+    }
+  }
+
+  const std::vector<ColumnValues>& columns_;
+  std::vector<Role>& roles_;
+};
+
+}  // namespace
+
+bool is_normal(const std::array<double, 3>& v) { return std::abs(std::hypot(v[0], v[1], v[2]) - 1) <= kNormalSlack; }
+
+bool is_color(const std::array<double, 3>& v) {
+  return std::ranges::all_of(v, [](double x) { return x >= 0 && x <= 255 && x == std::floor(x); });
+}
+
+bool counts_up(const ColumnValues& column) {
+  if (!column.numeric || column.values.size() < kFewestCounted) return false;
+  const double first = column.values.front();
+  if (!(first >= 0) || first != std::floor(first)) return false;
+  for (std::size_t row = 1; row < column.values.size(); ++row) {
+    const double x = column.values[row];
+    if (!(x > column.values[row - 1]) || x != std::floor(x)) return false;
+  }
+  const double step = column.values.size() < kFewestWithGaps ? 1 : kLargestStep;
+  return column.values.back() - first <= step * static_cast<double>(column.values.size() - 1);
+}
+
+std::vector<Role> roles_by_values(const std::vector<ColumnValues>& columns) {
+  std::vector<std::size_t> numbers;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].numeric) numbers.push_back(c);
+  }
+  std::vector<Role> roles(columns.size(), Role::none);
+  // A line of a raster counts too, beside a column that stays.
+  const bool numbered = numbers.size() >= 4 && counts_up(columns[numbers[0]]) && !is_constant(columns[numbers[1]]);
+  if (numbered) numbers.erase(numbers.begin());
+  if (numbers.size() < 3) return roles;
+  if (are_north_and_east(columns[numbers[0]], columns[numbers[1]])) std::swap(numbers[0], numbers[1]);
+  for (std::size_t i = 0; i < 3; ++i) roles[numbers[i]] = static_cast<Role>(i);
+  Groups groups(columns, roles);
+  groups.take_normals();
+  groups.take_colors();
+  return roles;
+}
+
+}  // namespace surfaced::io

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "preparing/preparing.hpp"
+
+namespace surfaced {
+namespace {
+
+/// Fewer points may lie on a grid by chance.
+constexpr std::size_t kFewestPoints = 16;
+/// How far from a step a coordinate may lie, in steps: text rounds to digits of its own.
+constexpr double kSlack = 0.125;
+/// Steps below this share of the spacing do no harm.
+constexpr double kHarmless = 1.0 / 32;
+
+/// The step of float32 at this magnitude.
+double step_at(double magnitude) {
+  int exponent = 0;
+  std::frexp(magnitude, &exponent);
+  return std::ldexp(1.0, exponent - std::numeric_limits<float>::digits);
+}
+
+/// Whether all coordinates are multiples of the step, and not all of twice the step, as whole numbers would be.
+bool lies_on_steps(const std::vector<Point3>& positions, std::size_t axis, double step) {
+  bool odd = false;
+  for (const Point3& p : positions) {
+    const double steps = p[axis] / step;
+    const double whole = std::round(steps);
+    if (!(std::abs(steps - whole) <= kSlack)) return false;
+    odd |= std::fmod(whole, 2) != 0;
+  }
+  return odd;
+}
+
+}  // namespace
+
+std::optional<FloatSteps> float_steps_of(const std::vector<Point3>& positions, unsigned threads) {
+  if (positions.size() < kFewestPoints) return std::nullopt;
+  const Bounds bounds = bounds_of(positions);
+  // Of a surface; enough to leave out clouds whose steps are far too small to matter.
+  const double about = bounds.diagonal() / std::sqrt(static_cast<double>(positions.size()));
+  double step = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double least = bounds.low[axis] > 0 ? bounds.low[axis] : bounds.high[axis] < 0 ? -bounds.high[axis] : 0;
+    const double here = least > 0 ? step_at(least) : 0;
+    if (here <= step || here < kHarmless / 16 * about || !lies_on_steps(positions, axis, here)) continue;
+    step = here;
+  }
+  if (step == 0) return std::nullopt;
+  const double spacing = spacing_of(positions, threads);
+  if (step < kHarmless * spacing) return std::nullopt;
+  return FloatSteps{.step = step, .spacing = spacing};
+}
+
+bool on_a_line_of_floats(const std::vector<Point3>& positions) {
+  // Rounding moves a point, and the ends of the line, by half a step of every axis each.
+  constexpr double kSteps = 2;
+  const auto is_float = [](double x) { return static_cast<double>(static_cast<float>(x)) == x; };
+  if (positions.size() < 3 ||
+      !std::ranges::all_of(positions, [&](const Point3& p) { return std::ranges::all_of(p, is_float); })) {
+    return false;
+  }
+  const Bounds bounds = bounds_of(positions);
+  const Point3 extent = bounds.high - bounds.low;
+  const auto longest = static_cast<std::size_t>(std::ranges::max_element(extent) - extent.begin());
+  const auto along = [longest](const Point3& a, const Point3& b) { return a[longest] < b[longest]; };
+  const auto [first, last] = std::ranges::minmax_element(positions, along);
+  const Point3 direction = *last - *first;
+  if (!(direction[longest] > 0)) return false;
+  return std::ranges::all_of(positions, [&, from = *first](const Point3& p) {
+    const double share = (p[longest] - from[longest]) / direction[longest];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double step = step_at(std::max(std::abs(bounds.low[axis]), std::abs(bounds.high[axis])));
+      if (!(std::abs(p[axis] - from[axis] - share * direction[axis]) <= kSteps * step)) return false;
+    }
+    return true;
+  });
+}
+
+}  // namespace surfaced
