@@ -4,6 +4,7 @@ import { ApiError, unreachable, type Api } from '../api/client';
 import { followJob, pause } from '../api/follow';
 import { isEnded, type Job, type Sample, type Submission } from '../api/types';
 import { uploadCloud } from '../api/upload';
+import type { TableOptions } from '../clouds/table';
 import { bytes } from '../words/numbers';
 import type { Geometry } from '../worker/geometry';
 import { keepCloud, keptCloud } from './kept_clouds';
@@ -114,13 +115,42 @@ export class Session {
   private async setCloud(file: File, id?: string): Promise<void> {
     const cloud: ChosenCloud = { name: file.name, size: file.size, file, id };
     this.replaceCloud(cloud, `Reading ${file.name} …`);
-    try {
-      cloud.data = await this.geometry.loadCloud(await file.arrayBuffer());
-    } catch (failure) {
-      cloud.noPreview = failure instanceof Error ? failure.message : String(failure);
-    }
+    await this.readCloud(cloud, file);
     if (this.state.cloud === cloud) this.change({ notice: '' });
     else if (cloud.data) void this.geometry.forget(cloud.data.handle);
+  }
+
+  /** Reads the points for the page, as `table` has a text read. */
+  private async readCloud(cloud: ChosenCloud, file: File): Promise<void> {
+    const { table } = this.state;
+    const { data: before } = cloud;
+    let data: ChosenCloud['data'];
+    let noPreview: string | undefined;
+    try {
+      data = await this.geometry.loadCloud(await file.arrayBuffer(), table);
+    } catch (failure) {
+      noPreview = failure instanceof Error ? failure.message : String(failure);
+    }
+    // Told otherwise meanwhile: whoever did so reads the file again.
+    const stale = this.state.cloud === cloud && this.state.table !== table;
+    if (stale && data) void this.geometry.forget(data.handle);
+    if (stale) return;
+    Object.assign(cloud, { data, noPreview });
+    if (before) void this.geometry.forget(before.handle);
+  }
+
+  /** Says how a text is to be read; the chosen one is read again. */
+  setTable(table: TableOptions): void {
+    if (JSON.stringify(table) === JSON.stringify(this.state.table)) return;
+    this.change({ table });
+    const { cloud } = this.state;
+    const text = cloud?.data ? cloud.data.table !== undefined : cloud?.noPreview !== undefined;
+    if (!cloud?.file || !text) return;
+    const { file } = cloud;
+    void this.guard(async () => {
+      await this.readCloud(cloud, file);
+      this.change({});
+    });
   }
 
   /** Uploads the cloud if the server has it not, queues a job, follows it and shows its mesh. */

@@ -2,6 +2,7 @@
 // What the page knows. One object, changed by Session alone; whoever shows something of it is told of every change.
 import type { ApiError } from '../api/client';
 import type { Job, Method, Report, Sample } from '../api/types';
+import type { TableOptions } from '../clouds/table';
 import type { Difference, LoadedCloud, LoadedMesh, UnusedPoints } from '../worker/protocol';
 import type { Clip } from '../view/stage';
 import type { Look } from '../view/layers';
@@ -46,6 +47,8 @@ export interface State {
   methods: Method[];
   samples: Sample[];
   cloud?: ChosenCloud | undefined;
+  /** How a text is to be read. */
+  table: TableOptions;
   results: [Result | undefined, Result | undefined];
   difference?: Difference | undefined;
   /** Sides of the triangle of the first mesh that was asked for last. */
@@ -67,7 +70,7 @@ export function initialState(): State {
   const dark = matchMedia('(prefers-color-scheme: dark)').matches;
   const theme = localStorage.getItem('surfaced.theme') ?? (dark ? 'dark' : 'light');
   return {
-    methods: [], samples: [], results: [undefined, undefined], notice: '', history: [], needsKey: false,
+    methods: [], samples: [], table: {}, results: [undefined, undefined], notice: '', history: [], needsKey: false,
     look: { points: true, surface: true, wireframe: false, smooth: false, marks: true },
     clip: { axis: 'none', place: 0.5, flip: false }, colour: 'none', up: 'y', theme: theme === 'dark' ? 'dark' : 'light',
   };

@@ -7,6 +7,7 @@ import { readLas } from './las';
 import { readPcd } from './pcd';
 import { readPly } from './ply';
 import { isBinaryStl, readStl } from './stl';
+import type { TableOptions } from './table';
 import { decodeText, isObj, readObj, readText } from './text';
 
 const isGzip = (bytes: Uint8Array): boolean => bytes[0] === 0x1f && bytes[1] === 0x8b;
@@ -17,12 +18,13 @@ async function gunzipped(bytes: Uint8Array): Promise<Uint8Array> {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-export async function readCloud(given: Uint8Array): Promise<CloudData> {
+/** @param table how a text is to be read. */
+export async function readCloud(given: Uint8Array, table: TableOptions = {}): Promise<CloudData> {
   const unpacked = isGzip(given) ? await gunzipped(given) : given;
   // A byte order mark may stand before any format of text.
   const marked = unpacked[0] === 0xef && unpacked[1] === 0xbb && unpacked[2] === 0xbf;
   const bytes = marked ? unpacked.subarray(3) : unpacked;
-  if (isUtf16(bytes)) return readCloud(new TextEncoder().encode(decodeText(bytes)));
+  if (isUtf16(bytes)) return readCloud(new TextEncoder().encode(decodeText(bytes)), table);
   const head = new TextDecoder('latin1').decode(bytes.subarray(0, 4096));
   if (/^ply[ \t]*[\r\n]/i.test(head)) return toCloudData(readPly(bytes), 'PLY');
   if (head.startsWith('DRACO')) return toCloudData((await decodeDraco(bytes)).positions, 'Draco');
@@ -40,6 +42,6 @@ export async function readCloud(given: Uint8Array): Promise<CloudData> {
   if (isObj(head)) return toCloudData(readObj(bytes), 'OBJ');
   // eslint-disable-next-line no-control-regex
   if (/[\x00-\x08\x0e-\x1f]/.test(head)) throw new UnreadableCloud('the file is in no format that this page reads');
-  const { xyz, form } = readText(bytes);
+  const { xyz, form } = readText(bytes, table);
   return { ...toCloudData(xyz, 'text'), table: form };
 }

@@ -35,6 +35,8 @@ const kNotFinite = /^[+-]?(nan(\(\w*\))?|inf|infinity|1\.#(inf|qnan|snan|ind)\w*
 const kNoMeasurement = new Set(['', '-', '--', 'na', 'n/a', '#n/a', 'null', 'none', 'nil', 'nodata']);
 
 export const wordOf = (separator: string): string => Object.entries(kSeparatorWords).find(([, sign]) => sign === separator)?.[0] ?? 'blank';
+/** Both the word and the sign itself say it. */
+const signOf = (given: string): string => kSeparatorWords[given] ?? given;
 const trimmed = (text: string): string => text.replace(/^[ \t\v\f]+|[ \t\v\f]+$/g, '');
 const isWhole = (cell: string): boolean => /^[+-]?\d+$/.test(cell);
 export const isComment = (line: string): boolean => line.startsWith('#') || line.startsWith('//');
@@ -146,7 +148,7 @@ class Guesser {
 
   private looksLikeRow(line: string): boolean {
     const given = this.options.separator;
-    return (given ? [kSeparatorWords[given]] : kSeparators).some((separator) => countNumbers(cellsOf(line, separator), true) >= 3);
+    return (given ? [signOf(given)] : kSeparators).some((separator) => countNumbers(cellsOf(line, separator), true) >= 3);
   }
 
   private takeHeader(line: string): boolean {
@@ -164,9 +166,9 @@ class Guesser {
 
   private tellSeparator(): void {
     const { form, options } = this;
-    form.separator = options.separator ? kSeparatorWords[options.separator] : (this.hinted ?? (this.rows.length === 0 ? this.separatorOfHeader() : this.guessedSeparator()));
+    form.separator = options.separator ? signOf(options.separator) : (this.hinted ?? (this.rows.length === 0 ? this.separatorOfHeader() : this.guessedSeparator()));
     if (options.decimal) {
-      form.decimalComma = options.decimal === 'comma';
+      form.decimalComma = ['comma', ','].includes(options.decimal);
       return;
     }
     form.decimalComma = this.rows.some((row) => cellsOf(row, form.separator).some((cell) => hasDecimalComma(cell) && isNumber(cell, true)));

@@ -38,8 +38,8 @@ async function meshOf(glb: ArrayBuffer): Promise<MeshData> {
 }
 
 const calls: GeometryCalls = {
-  async loadCloud(bytes) {
-    const cloud = await readCloud(new Uint8Array(bytes));
+  async loadCloud(bytes, table) {
+    const cloud = await readCloud(new Uint8Array(bytes), table);
     clouds.set(++handles, cloud);
     return { ...cloud, handle: handles };
   },

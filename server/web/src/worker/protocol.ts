@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the page asks of its worker. Meshes and clouds stay in the worker under a number; what is drawn is copied out.
 import type { CloudData } from '../clouds/cloud_data';
+import type { TableOptions } from '../clouds/table';
 import type { Edges } from '../geometry/edges';
 import type { MeshData } from '../geometry/mesh_data';
 import type { Shapes } from '../geometry/quality';
@@ -27,7 +28,8 @@ export interface Difference {
 }
 
 export interface GeometryCalls {
-  loadCloud(bytes: ArrayBuffer): Promise<LoadedCloud>;
+  /** @param table how a text is to be read. */
+  loadCloud(bytes: ArrayBuffer, table: TableOptions): Promise<LoadedCloud>;
   loadMesh(glb: ArrayBuffer): Promise<LoadedMesh>;
   wireframe(mesh: number): Promise<Uint32Array>;
   /** By triangle, to the nearest point of the cloud. */
