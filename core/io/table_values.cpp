@@ -28,6 +28,20 @@ bool within(const ColumnValues& column, double low, double high) {
   return std::ranges::all_of(column.values, [&](double x) { return std::isnan(x) || (x >= low && x <= high); });
 }
 
+bool has_fractions(const ColumnValues& column) {
+  return std::ranges::any_of(column.values, [](double x) { return std::isfinite(x) && x != std::floor(x); });
+}
+
+/// Whole, and no two the same.
+bool are_identifiers(const ColumnValues& column) {
+  if (!column.numeric || column.values.size() < kFewestCounted) return false;
+  std::vector<double> sorted = column.values;
+  const bool whole = std::ranges::all_of(sorted, [](double x) { return x >= 0 && x == std::floor(x); });
+  if (!whole) return false;
+  std::ranges::sort(sorted);
+  return std::ranges::adjacent_find(sorted) == sorted.end();
+}
+
 double largest(const ColumnValues& column) {
   double most = -std::numeric_limits<double>::infinity();
   for (const double x : column.values) most = std::isnan(x) ? most : std::max(most, x);
@@ -129,15 +143,22 @@ bool counts_up(const ColumnValues& column) {
   return column.values.back() - first <= step * static_cast<double>(column.values.size() - 1);
 }
 
+/// Whether the first of the columns with numbers holds those of the points. A line of a raster counts too, beside a
+/// column that stays.
+bool begins_with_numbers_of_points(const std::vector<ColumnValues>& columns, const std::vector<std::size_t>& numbers) {
+  if (numbers.size() < 4 || is_constant(columns[numbers[1]])) return false;
+  if (counts_up(columns[numbers[0]])) return true;
+  return are_identifiers(columns[numbers[0]]) && std::all_of(numbers.begin() + 1, numbers.begin() + 4,
+                                                             [&](std::size_t c) { return has_fractions(columns[c]); });
+}
+
 std::vector<Role> roles_by_values(const std::vector<ColumnValues>& columns) {
   std::vector<std::size_t> numbers;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].numeric) numbers.push_back(c);
   }
   std::vector<Role> roles(columns.size(), Role::none);
-  // A line of a raster counts too, beside a column that stays.
-  const bool numbered = numbers.size() >= 4 && counts_up(columns[numbers[0]]) && !is_constant(columns[numbers[1]]);
-  if (numbered) numbers.erase(numbers.begin());
+  if (begins_with_numbers_of_points(columns, numbers)) numbers.erase(numbers.begin());
   if (numbers.size() < 3) return roles;
   if (are_north_and_east(columns[numbers[0]], columns[numbers[1]])) std::swap(numbers[0], numbers[1]);
   for (std::size_t i = 0; i < 3; ++i) roles[numbers[i]] = static_cast<Role>(i);

@@ -23,8 +23,9 @@ bool is_normal(const std::array<double, 3>& v);
 /// Whether three values are a colour: whole numbers from 0 to 255.
 bool is_color(const std::array<double, 3>& v);
 
-/// Roles of the columns: the first three that hold numbers are the position, behind a first column that counts the
-/// rows; among the others, three neighbours are normals or colours if all of their values are.
+/// Roles of the columns: the first three that hold numbers are the position, behind a first column of numbers of points
+/// (they count up, or are whole and each its own before three columns with fractions); among the others, three
+/// neighbours are normals or colours if all of their values are.
 /// @return  a role for every column; all none if there are not three columns of numbers.
 std::vector<Role> roles_by_values(const std::vector<ColumnValues>& columns);
 

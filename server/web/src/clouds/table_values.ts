@@ -37,6 +37,10 @@ export function countsUp({ values, numeric }: ColumnValues): boolean {
   return values[values.length - 1] - values[0] <= step * (values.length - 1);
 }
 
+const hasFractions = ({ values }: ColumnValues): boolean => values.some((x) => Number.isFinite(x) && !Number.isInteger(x));
+const areIdentifiers = ({ values, numeric }: ColumnValues): boolean =>
+  numeric && values.length >= 3 && values.every((x) => x >= 0 && Number.isInteger(x)) && new Set(values).size === values.length;
+
 function take(roles: Role[], first: number, role: Role): void {
   for (let i = 0; i < 3; i += 1) roles[first + i] = kRoles[kRoles.indexOf(role) + i];
 }
@@ -63,7 +67,8 @@ function takeGroups(columns: ColumnValues[], roles: Role[]): void {
 export function rolesByValues(columns: ColumnValues[]): Role[] {
   const numbers = columns.map((_, c) => c).filter((c) => columns[c].numeric);
   const roles: Role[] = columns.map(() => '-');
-  const numbered = numbers.length >= 4 && countsUp(columns[numbers[0]]) && !isConstant(columns[numbers[1]]);
+  const numbered = numbers.length >= 4 && !isConstant(columns[numbers[1]]) &&
+    (countsUp(columns[numbers[0]]) || (areIdentifiers(columns[numbers[0]]) && numbers.slice(1, 4).every((c) => hasFractions(columns[c]))));
   if (numbered) numbers.shift();
   if (numbers.length < 3) return roles;
   const [first, second] = numbers;
