@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -90,9 +91,10 @@ class Inflater {
     begun_ = inflateInit2(&stream_, MAX_WBITS + 16) == Z_OK;
     if (!begun_) return refuse(ErrorCode::out_of_memory, "zlib cannot begin");
     const std::uint64_t most = most_unpacked(packed_.size());
-    // The last four bytes declare the length; it is only a first guess.
+    // The last four bytes declare the length; it is a first guess, and not believed beyond what text of points packs
+    // to.
     const std::uint64_t declared = load_little<std::uint32_t>(packed_.data() + packed_.size() - 4);
-    Bytes bytes(static_cast<std::size_t>(std::min(most, declared + 1)));
+    Bytes bytes(static_cast<std::size_t>(std::min({most, declared + 1, 16 * packed_.size() + 65536})));
     std::size_t length = 0;
     for (std::size_t taken = 0;;) {
       const int status = step(taken, bytes, length);
@@ -225,18 +227,20 @@ Beside beside_in_zip(std::span<const std::byte> bytes, std::string_view name, co
   const std::size_t slash = member.rfind('/');
   std::string folder = slash == std::string::npos ? std::string() : member.substr(0, slash + 1);
   auto room = std::make_shared<std::uint64_t>(most_unpacked(bytes.size()));
-  return [bytes, name, folder = std::move(folder), room](const std::string& uri) -> Result<Bytes> {
+  const auto files = std::make_shared<std::map<std::string, ZipMember>>();
+  if (const Result<std::vector<ZipMember>> members = zip_directory(bytes, name)) {
+    for (const ZipMember& each : *members) files->emplace(each.name, each);
+  }
+  return [bytes, name, folder = std::move(folder), files, room](const std::string& uri) -> Result<Bytes> {
     const std::optional<std::string> path = path_of_uri(uri);
     if (!path) return leads_out(uri);
-    const Result<std::vector<ZipMember>> members = zip_directory(bytes, name);
-    if (!members) return members.error();
-    const auto found = std::ranges::find(*members, folder + *path, &ZipMember::name);
-    if (found == members->end()) {
+    const auto found = files->find(folder + *path);
+    if (found == files->end()) {
       return Error{ErrorCode::unsupported_feature, std::string(name) + ": the archive has no file " +
                                                        in_quotes(folder + *path) +
                                                        ", which the glTF names; put it into the archive"};
     }
-    Result<Bytes> unpacked = unpack_member(bytes, *found, *room, name);
+    Result<Bytes> unpacked = unpack_member(bytes, found->second, *room, name);
     if (unpacked) *room -= std::min<std::uint64_t>(*room, unpacked->size());
     return unpacked;
   };

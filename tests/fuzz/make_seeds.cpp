@@ -6,6 +6,7 @@
 #include "io/io.hpp"
 #include "io/zip.hpp"
 #include "support/draco_files.hpp"
+#include "support/gzip_files.hpp"
 #include "support/ply_files.hpp"
 #include "support/scan_files.hpp"
 #include "support/shapes.hpp"
@@ -88,6 +89,21 @@ void save_mesh_seeds() {
   save_text("mesh/nodes.gltf", kTwoNodes);
 }
 
+void save_packed_seeds() {
+  std::string gltf(kTwoNodes);
+  const std::size_t uri = gltf.find("\"data:");
+  const std::size_t end = gltf.find('"', uri + 1);
+  gltf.replace(uri, end + 1 - uri, "\"a%20b.bin\"");
+  const std::string points = text_clouds().front().second;
+  save_text("packed/points.xyz.gz", gzipped(points));
+  save_text("packed/members.ply.gz", gzipped("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n") +
+                                         gzipped("property float y\nproperty float z\nend_header\n1 2 3\n"));
+  save("packed/points.zip", io::write_zip({{"readme.md", "words"}, {"d/points.xyz", points}}).value());
+  save("packed/buffers.zip", io::write_zip({{"d/a.gltf", gltf}, {"d/a b.bin", std::string(200, '\1')}}).value());
+  save("packed/las.zip", io::write_zip({{"a.las", las_file({{{1, -2, 3}, {}}, {{4, 5, 6}, {}}})}}).value());
+  save_text("packed/stranger.gz", gzipped("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n"));
+}
+
 void save_scan_seeds() {
   for (const auto& [name, text] : text_clouds()) save_text("text/" + name, text);
   save_text("obj/hand.obj", kObj);
@@ -116,6 +132,7 @@ void save_scan_seeds() {
             "ply \nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
             "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
             "property float scale_0\nproperty float rot_0\nend_header\n1 2 3 0.5 0 -1 2 -3 1\n");
+  save_packed_seeds();
   save("mesh/archive.zip", io::write_zip({{"folder/a.obj", std::string(kObj)}}).value());
   std::string points(kTwoNodes);
   points.replace(points.find("\"mode\":5"), 8, "\"mode\":0");

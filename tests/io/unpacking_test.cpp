@@ -2,13 +2,13 @@
 // Files in gzip and ZIP archives, and files that are no clouds at all.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <cmath>
 #include <fstream>
 
 #include "io/io.hpp"
 #include "io/zip.hpp"
+#include "support/gzip_files.hpp"
 #include "support/results.hpp"
 #include "support/scan_files.hpp"
 #include "support/shapes.hpp"
@@ -20,20 +20,6 @@ namespace {
 using namespace surfaced::testing;
 using ::testing::HasSubstr;
 using Points = std::vector<Point3>;
-
-std::string gzipped(const std::string& text) {
-  z_stream stream{};
-  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string packed(deflateBound(&stream, static_cast<uLong>(text.size())), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  return packed;
-}
 
 std::string zipped(const std::vector<io::ZipEntry>& entries) {
   const std::vector<std::byte> bytes = io::write_zip(entries).value();
