@@ -60,7 +60,8 @@ class ObjReader {
     Result<bool> there = lines_.next();
     if (!there || !*there) return there;
     statement_ = lines_.text();
-    if (!statement_.ends_with('\\')) return there;
+    // A path in a comment may end so too.
+    if (!statement_.ends_with('\\') || statement_.starts_with('#')) return there;
     joined_.clear();
     while (*there && lines_.text().ends_with('\\')) {
       joined_.append(lines_.text());
@@ -87,7 +88,7 @@ class ObjReader {
   /// `values` numbers at most; the count that is there.
   Result<std::size_t> numbers(std::string_view rest, std::span<double> values) const {
     std::size_t count = 0;
-    for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
+    for (std::string_view word = take_word(rest); !word.empty() && word.front() != '#'; word = take_word(rest)) {
       if (count == values.size()) return lines_.malformed("more than " + std::to_string(count) + " values");
       if (!parse_number(word, Scalar::float64, values[count]))
         return lines_.malformed(in_quotes(word) + " is no number");

@@ -58,6 +58,8 @@ constexpr auto kBinary = std::to_array<Stranger>({
     {"MZ"sv, "a program, not points"},
     {"\xff\xfe\0\0"sv, "text in UTF-32; save it as UTF-8"},
     {"\0\0\xfe\xff"sv, "text in UTF-32; save it as UTF-8"},
+    {"8BPS"sv, kPicture},
+    {"3D Geometry File Format"sv, "a Rhino model; export it as OBJ, STL or PLY"},
     {"NGSP"sv, "SPZ, packed Gaussian splats; convert it to PLY"},
     {"7z\xbc\xaf"sv, kPacked},
     {"Rar!"sv, kPacked},
@@ -76,6 +78,8 @@ constexpr auto kText = std::to_array<Stranger>({
     {"<html"sv, "a web page, not points: the download has answered with an error or a login"},
     {"; fbx"sv, "an FBX scene; export it as GLB, OBJ or PLY"},
     {"#usda"sv, "a USD scene; export it as GLB, OBJ or PLY"},
+    {"ncols"sv, "an ESRI grid of heights; write its cells as x y z with 'gdal_translate -of XYZ in.asc out.xyz'"},
+    {"dsaa"sv, "a Surfer grid of heights; write its cells as x y z with 'gdal_translate -of XYZ in.grd out.xyz'"},
     {"#vrml"sv, "a VRML scene; export it as GLB, OBJ or PLY"},
     {"#x3d"sv, "an X3D scene; export it as GLB, OBJ or PLY"},
     {"# vtk datafile"sv, "a VTK file; write it as PLY with ParaView or vtkPLYWriter"},
@@ -94,6 +98,7 @@ constexpr auto kXml = std::to_array<Stranger>({
     {"<collada"sv, "a COLLADA scene; export it as GLB, OBJ or PLY"},
     {"<x3d"sv, "an X3D scene; export it as GLB, OBJ or PLY"},
     {"<svg"sv, "an SVG picture, not points"},
+    {"<gpx"sv, "a GPX track; export its points, projected to metres, as text with x y z"},
     {"<kml"sv, "a KML document; export its points, projected to metres, as text with x y z"},
     {"<landxml"sv, "a LandXML document; export its points as text with x y z"},
     {"citygml"sv, "a CityGML model; export its points as text with x y z"},
@@ -185,6 +190,11 @@ std::optional<std::string> stranger_in(std::span<const std::byte> start) {
   std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
   if (text.substr(0, 4) == "RIFF" && text.size() >= 12) {
     return std::string(text.substr(8, 4) == "WEBP" ? kPicture : "a recording of sound or film, not points");
+  }
+  if (text.size() >= 12 && text.substr(4, 4) == "ftyp") {
+    const std::string_view brand = text.substr(8, 4);
+    const bool still = brand.starts_with("hei") || brand.starts_with("avif") || brand == "mif1";
+    return std::string(still ? kPicture : "a recording of sound or film, not points");
   }
   if (text.size() >= 262 && text.substr(257, 5) == "ustar") return std::string(kPacked);
   if (text.starts_with("BM") && text.size() >= 14 && text.substr(6, 4) == "\0\0\0\0"sv) return std::string(kPicture);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -30,9 +31,15 @@ Cells cells_of(std::string_view line, char separator) {
   return cells;
 }
 
-std::size_t count_numbers(const Cells& cells, bool decimal_comma) {
+/// Numbers, and words for no measurement.
+std::size_t count_values(const Cells& cells, bool decimal_comma) {
   return static_cast<std::size_t>(
-      std::ranges::count_if(cells, [&](auto cell) { return is_number(cell, decimal_comma); }));
+      std::ranges::count_if(cells, [&](auto cell) { return is_value(cell, decimal_comma); }));
+}
+
+/// Signs alone, as `;` or `--`.
+bool is_mark(std::string_view cell) {
+  return std::ranges::none_of(cell, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c < 0; });
 }
 
 char char_of(Separator separator) {
@@ -122,8 +129,8 @@ class Guesser {
   /// Three numbers, whatever separates them; perhaps text beside them.
   bool looks_like_row(std::string_view line) const {
     if (options_.separator != Separator::guessed)
-      return count_numbers(cells_of(line, char_of(options_.separator)), true) >= 3;
-    return std::ranges::any_of(kSeparators, [&](char s) { return count_numbers(cells_of(line, s), true) >= 3; });
+      return count_values(cells_of(line, char_of(options_.separator)), true) >= 3;
+    return std::ranges::any_of(kSeparators, [&](char s) { return count_values(cells_of(line, s), true) >= 3; });
   }
 
   /// Whether the line names x, y and z, whatever separates the names.
@@ -184,7 +191,7 @@ class Guesser {
   char guessed_separator() const {
     for (const char separator : kSeparators) {
       const auto bad = static_cast<std::size_t>(std::ranges::count_if(
-          rows_, [&](std::string_view row) { return count_numbers(cells_of(row, separator), separator != ',') < 3; }));
+          rows_, [&](std::string_view row) { return count_values(cells_of(row, separator), separator != ',') < 3; }));
       if (10 * bad <= rows_.size()) return separator;
     }
     for (const char separator : {'\t', ';', '|', ','}) {
@@ -229,7 +236,8 @@ class Guesser {
     }
     if (std::ranges::find(form_.roles, Role::x) == form_.roles.end()) return no_columns(columns);
     if (Status unnamed = check_passed_over(columns); !unnamed) return unnamed;
-    form_.strict = columns < Columns::kMost && std::ranges::all_of(values, &ColumnValues::numeric);
+    form_.strict =
+        columns < Columns::kMost && std::ranges::all_of(values, &ColumnValues::numeric) && !has_words_behind(columns);
     form_.by_values = true;
     form_.guessed |= columns > 3;
     return Done{};
@@ -266,6 +274,11 @@ class Guesser {
       if (names.size() == columns) break;
     }
     if (best.degrees) return degrees();
+    // A mark of a comment that is not one of ours.
+    if (names.size() == columns + 1 && columns > 0 && is_mark(names.front())) {
+      best.roles.erase(best.roles.begin());
+      names.erase(names.begin());
+    }
     if (names.size() + 1 == columns && !rows_.empty()) {
       best.roles.insert(best.roles.begin(), Role::none);
       names.insert(names.begin(), std::string_view());
@@ -316,12 +329,20 @@ class Guesser {
   Status check_passed_over(std::size_t columns) const {
     if (last_passed_.empty()) return Done{};
     const Cells cells = cells_of(last_passed_, form_.separator);
-    if (cells.size() != columns || count_numbers(cells, true) > 0) return Done{};
+    if (cells.size() != columns || count_values(cells, true) > 0) return Done{};
     std::string found;
     for (const std::string_view cell : cells) found += (found.empty() ? "" : ", ") + in_quotes(cell);
     return error(
         ErrorCode::missing_positions,
         "no columns x, y, z; found: " + found + "; columns=x,y,z, with - for a column to leave, says which they are");
+  }
+
+  /// Whether rows have text behind as many columns as the first has.
+  bool has_words_behind(std::size_t columns) const {
+    return std::ranges::any_of(rows_, [&](std::string_view row) {
+      const Cells cells = cells_of(row, form_.separator);
+      return cells.size() > columns && !is_value(cells[columns], form_.decimal_comma);
+    });
   }
 
   std::vector<ColumnValues> values_of(std::size_t columns) const {
@@ -353,7 +374,10 @@ class Guesser {
 
 }  // namespace
 
-bool is_comment(std::string_view line) { return line.starts_with('#') || line.starts_with("//"); }
+bool is_comment(std::string_view line) {
+  // #N/A is what spreadsheets write for no value.
+  return (line.starts_with('#') && !in_lower_case(line.substr(0, 4)).starts_with("#n/a")) || line.starts_with("//");
+}
 
 std::string_view without_mark(std::string_view line) {
   line.remove_prefix(line.starts_with("//") ? 2 : 1);

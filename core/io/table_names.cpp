@@ -20,11 +20,18 @@ constexpr auto kNormalWords = std::to_array<std::string_view>({"n", "normal", "n
 constexpr auto kColorWords =
     std::to_array<std::string_view>({"", "color", "colour", "col", "rgb", "f", "diffuse", "color8", "scan"});
 
+/// What has an x, y and z too, and is no place.
+constexpr auto kOtherVectors = std::to_array<std::string_view>(
+    {"n",     "normal", "normals", "norm",  "v",    "vel", "velocity",  "a",   "acc",      "accel", "acceleration", "f",
+     "force", "s",      "std",     "sigma", "sd",   "err", "error",     "rot", "rotation", "angle", "euler",        "q",
+     "quat",  "gyro",   "mag",     "scale", "size", "dir", "direction", "t",   "tangent"});
+
 /// What surveyors call the axes.
-constexpr auto kEast = std::to_array<std::string_view>({"easting", "eastings", "east", "rechtswert", "ostwert", "ost",
-                                                        "este", "est", "xeast", "xeasting", "eastx", "eastingx", "me"});
+constexpr auto kEast =
+    std::to_array<std::string_view>({"easting", "eastings", "east", "rechtswert", "rechts", "ostwert", "ost", "este",
+                                     "est", "xeast", "xeasting", "eastx", "eastingx", "me"});
 constexpr auto kNorth =
-    std::to_array<std::string_view>({"northing", "northings", "north", "hochwert", "nordwert", "nord", "norte",
+    std::to_array<std::string_view>({"northing", "northings", "north", "hochwert", "hoch", "nordwert", "nord", "norte",
                                      "ynorth", "ynorthing", "northy", "northingy", "mn"});
 constexpr auto kUp = std::to_array<std::string_view>({"height", "elevation", "elev", "ele", "altitude", "alt", "hoehe",
                                                       "h\xc3\xb6he", "h\xf6he", "level", "rl", "cota", "quota",
@@ -84,11 +91,38 @@ void take_group(const Names& names, const auto& words, const std::array<std::str
   }
 }
 
-/// East or north, or the letter alone where the other letter stands beside it.
-std::optional<std::size_t> find_compass(const Names& names, const auto& words, const char* letter, const char* other) {
+/// East or north, or the letter, alone or behind a word for coordinates, where the other letter stands so too.
+std::optional<std::size_t> find_compass(const Names& names, const auto& words, char letter, const char* other) {
   const auto found = find_name(names, [&](const std::string& name) { return is_word(words, name); });
-  if (found || !is_among(names, other)) return found;
-  return find_name(names, [&](const std::string& name) { return name == letter; });
+  if (found) return found;
+  return find_name(names, [&](const std::string& name) {
+    const std::string before = name.substr(0, name.empty() ? 0 : name.size() - 1);
+    return name.ends_with(letter) && is_among(kAxisWords, before) && is_among(names, before + other);
+  });
+}
+
+/// Three names that differ in the letter of an axis alone, as field.x, field.y, field.z, or X1, X2, X3 with nothing
+/// beside them. None if there are several such.
+std::optional<std::array<std::size_t, 3>> find_alike(const Names& names) {
+  std::optional<std::array<std::size_t, 3>> alike;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    for (std::size_t i = 0; i < names[c].size(); ++i) {
+      const bool numbered = names.size() == 3 && i > 0 && names[c][i] == '1';
+      if ((names[c][i] != 'x' && !numbered) || is_among(kOtherVectors, std::string_view(names[c]).substr(0, i)))
+        continue;
+      const auto with = [&](char letter) {
+        std::string name = names[c];
+        name[i] = letter;
+        return find_name(names, [&](const std::string& each) { return each == name; });
+      };
+      const auto second = with(numbered ? '2' : 'y');
+      const auto third = with(numbered ? '3' : 'z');
+      if (!second || !third) continue;
+      if (alike) return std::nullopt;
+      alike = {c, *second, *third};
+    }
+  }
+  return alike;
 }
 
 void take_position(const Names& names, HeaderMeaning& meaning) {
@@ -98,8 +132,11 @@ void take_position(const Names& names, HeaderMeaning& meaning) {
   const auto up = [&] { return find_name(names, [](const std::string& name) { return is_word(kUp, name); }); };
   const std::array own{axis("x", "0"), axis("y", "1"), axis("z", "2")};
   const bool letters = own[0] && own[1];
-  const std::array taken{letters ? own[0] : find_compass(names, kEast, "e", "n"),
-                         letters ? own[1] : find_compass(names, kNorth, "n", "e"), own[2] ? own[2] : up()};
+  std::array taken{letters ? own[0] : find_compass(names, kEast, 'e', "n"),
+                   letters ? own[1] : find_compass(names, kNorth, 'n', "e"), own[2] ? own[2] : up()};
+  if (const auto alike = find_alike(names); alike && !(taken[0] && taken[1] && taken[2])) {
+    taken = {alike->at(0), alike->at(1), alike->at(2)};
+  }
   if (taken[0] && taken[1] && taken[2]) {
     for (std::size_t i = 0; i < 3; ++i) meaning.roles[*taken.at(i)] = static_cast<Role>(i);
     meaning.has_position = true;

@@ -19,23 +19,47 @@ std::string without(std::string_view text, char sign) {
   return kept;
 }
 
+/// The signs of C for the minus of typesetters and for the exponents of Fortran: 1.5D+00.
+std::string with_plain_signs(std::string_view text) {
+  constexpr std::string_view kMinus = "\xe2\x88\x92";
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool minus = text.substr(i).starts_with(kMinus);
+    const bool exponent = i > 0 && i + 1 < text.size() && (text[i] == 'D' || text[i] == 'd') &&
+                          (text[i + 1] == '+' || text[i + 1] == '-');
+    plain += minus ? '-' : exponent ? 'e' : text[i];
+    i += minus ? kMinus.size() - 1 : 0;
+  }
+  return plain;
+}
+
+/// A number that is written as programs for people write it: 1'234.5, 1 234.5, 1.234.567 with decimal commas elsewhere.
+bool parse_unusual(std::string_view text, bool decimal_comma, double& value) {
+  for (const char group : {'\'', ' '}) {
+    if (is_grouped(text, group, '.')) return parse_number(without(text, group), Scalar::float64, value);
+  }
+  if (decimal_comma && is_grouped(text, '.', ',')) return parse_number(without(text, '.'), Scalar::float64, value);
+  const std::string plain = with_plain_signs(text);
+  return plain != text && parse_number(plain, Scalar::float64, value);
+}
+
 /// The number of a cell; what stands for no measurement is none here.
 bool parse_value(std::string_view text, bool decimal_comma, double& value) {
   if (text.size() >= kTokenLimit) return false;
   const std::size_t comma = text.find(',');
   if (comma == std::string_view::npos) {
-    if (parse_number(text, Scalar::float64, value)) return true;
-    // 1.234.567 with decimal commas elsewhere.
-    return decimal_comma && is_grouped(text, '.', ',') && parse_number(without(text, '.'), Scalar::float64, value);
+    return parse_number(text, Scalar::float64, value) || parse_unusual(text, decimal_comma, value);
   }
   std::string pointed(text);
   if (is_grouped(text, ',', '.') && text.find('.') != text.npos) {
     return parse_number(without(pointed, ','), Scalar::float64, value);
   }
   if (!decimal_comma) return false;
-  if (is_grouped(text, '.', ',')) pointed = without(pointed, '.');
+  for (const char group : {'.', '\'', ' '}) {
+    if (is_grouped(text, group, ',')) pointed = without(pointed, group);
+  }
   pointed[pointed.find(',')] = '.';
-  return parse_number(pointed, Scalar::float64, value);
+  return parse_number(pointed, Scalar::float64, value) || parse_unusual(pointed, false, value);
 }
 
 }  // namespace
@@ -70,6 +94,11 @@ bool has_decimal_comma(std::string_view cell) {
 bool is_number(std::string_view cell, bool decimal_comma) {
   double value = 0;
   return parse_value(cell, decimal_comma, value);
+}
+
+bool is_value(std::string_view cell, bool decimal_comma) {
+  double value = 0;
+  return !cell.empty() && parse_cell(cell, decimal_comma, value);
 }
 
 bool parse_cell(std::string_view text, bool decimal_comma, double& value) {

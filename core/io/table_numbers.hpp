@@ -20,6 +20,9 @@ bool has_decimal_comma(std::string_view cell);
 /// Whether the cell is a number, nan included; what stands for no measurement is none.
 bool is_number(std::string_view cell, bool decimal_comma);
 
+/// Whether the cell is a number or a word for no measurement.
+bool is_value(std::string_view cell, bool decimal_comma);
+
 /// A number of a table. What stands for no measurement (nothing, NA, null, -) is NaN.
 bool parse_cell(std::string_view text, bool decimal_comma, double& value);
 

@@ -72,6 +72,8 @@ Result<bool> TextLines::next() {
   }
   raw_ = window.substr(0, end);
   text_ = trimmed(raw_);
+  // DOS ended texts so.
+  if (text_ == "\x1a" && end == std::string_view::npos) return false;
   std::size_t length = std::min(end, window.size());
   if (end != std::string_view::npos) length += window.substr(end).starts_with("\r\n") ? 2U : 1U;
   source_.advance(length);

@@ -41,7 +41,7 @@ export async function readCloud(given: Uint8Array, table: TableOptions = {}): Pr
   if (isBinaryStl(bytes) || /^\s*solid\b[^]*\bfacet\b/.test(head)) return toCloudData(readStl(bytes), 'STL');
   if (isObj(head)) return toCloudData(readObj(bytes), 'OBJ');
   // eslint-disable-next-line no-control-regex
-  if (/[\x00-\x08\x0e-\x1f]/.test(head)) throw new UnreadableCloud('the file is in no format that this page reads');
+  if (/[\x00-\x08\x0e-\x19\x1c-\x1f]/.test(head)) throw new UnreadableCloud('the file is in no format that this page reads');
   const { xyz, form } = readText(bytes, table);
   return { ...toCloudData(xyz, 'text'), table: form };
 }

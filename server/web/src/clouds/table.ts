@@ -39,19 +39,34 @@ export const wordOf = (separator: string): string => Object.entries(kSeparatorWo
 const signOf = (given: string): string => kSeparatorWords[given] ?? given;
 const trimmed = (text: string): string => text.replace(/^[ \t\v\f]+|[ \t\v\f]+$/g, '');
 const isWhole = (cell: string): boolean => /^[+-]?\d+$/.test(cell);
-export const isComment = (line: string): boolean => line.startsWith('#') || line.startsWith('//');
+/** #N/A is what spreadsheets write for no value. */
+export const isComment = (line: string): boolean => (line.startsWith('#') && !/^#n\/a/i.test(line)) || line.startsWith('//');
 const withoutMark = (line: string): string => trimmed(line.slice(line.startsWith('//') ? 2 : 1));
 
 /** Digits in groups of three, at least two of them, and perhaps a decimal sign and more digits. */
 const kCommaGroups = /^[+-]?\d{1,3}(,\d{3})+(\.\d*)?$/;
 const kPointGroups = /^[+-]?\d{1,3}(\.\d{3})+(,\d*)?$/;
 
+/** 1'234.5 or 1 234.5. */
+const kOtherGroups = /^[+-]?\d{1,3}(?:('\d{3})+|( \d{3})+)(\.\d*)?$/;
+const kOtherGroupsWithComma = /^[+-]?\d{1,3}(?:('\d{3})+|( \d{3})+)(,\d*)?$/;
+
+const readNumber = (text: string): number | undefined => (kNumber.test(text) ? Number(text) : kNotFinite.test(text) ? NaN : undefined);
+
+/** A number that is written as programs for people write it. */
+function readUnusual(text: string, decimalComma: boolean): number | undefined {
+  if (kOtherGroups.test(text)) return readNumber(text.replace(/[' ]/g, ''));
+  if (decimalComma && kPointGroups.test(text)) return readNumber(text.replaceAll('.', ''));
+  return readNumber(text.replaceAll('\u2212', '-').replace(/(?<=.)[Dd](?=[+-])/g, 'e'));
+}
+
 function parseValue(text: string, decimalComma: boolean): number | undefined {
-  const read = (pointed: string): number | undefined => (kNumber.test(pointed) ? Number(pointed) : kNotFinite.test(pointed) ? NaN : undefined);
-  if (!text.includes(',')) return read(text) ?? (decimalComma && kPointGroups.test(text) ? read(text.replaceAll('.', '')) : undefined);
-  if (kCommaGroups.test(text) && text.includes('.')) return read(text.replaceAll(',', ''));
+  if (!text.includes(',')) return readNumber(text) ?? readUnusual(text, decimalComma);
+  if (kCommaGroups.test(text) && text.includes('.')) return readNumber(text.replaceAll(',', ''));
   if (!decimalComma) return undefined;
-  return read((kPointGroups.test(text) ? text.replaceAll('.', '') : text).replace(',', '.'));
+  const grouped = kPointGroups.test(text) ? text.replaceAll('.', '') : kOtherGroupsWithComma.test(text) ? text.replace(/[' ]/g, '') : text;
+  const pointed = grouped.replace(',', '.');
+  return readNumber(pointed) ?? readUnusual(pointed, false);
 }
 
 /** A number of a table; NaN for what stands for no measurement, none for anything else. */
@@ -60,7 +75,8 @@ export function parseCell(text: string, decimalComma: boolean): number | undefin
 }
 
 const isNumber = (cell: string, decimalComma: boolean): boolean => parseValue(cell, decimalComma) !== undefined;
-const countNumbers = (cells: string[], decimalComma: boolean): number => cells.filter((cell) => isNumber(cell, decimalComma)).length;
+/** Numbers, and words for no measurement. */
+const countValues = (cells: string[], decimalComma: boolean): number => cells.filter((cell) => cell !== '' && parseCell(cell, decimalComma) !== undefined).length;
 
 function unquoted(value: string): string {
   const cell = trimmed(value);
@@ -148,7 +164,7 @@ class Guesser {
 
   private looksLikeRow(line: string): boolean {
     const given = this.options.separator;
-    return (given ? [signOf(given)] : kSeparators).some((separator) => countNumbers(cellsOf(line, separator), true) >= 3);
+    return (given ? [signOf(given)] : kSeparators).some((separator) => countValues(cellsOf(line, separator), true) >= 3);
   }
 
   private takeHeader(line: string): boolean {
@@ -185,7 +201,7 @@ class Guesser {
 
   private guessedSeparator(): string {
     const good = kSeparators.find((separator) => {
-      const bad = this.rows.filter((row) => countNumbers(cellsOf(row, separator), separator !== ',') < 3).length;
+      const bad = this.rows.filter((row) => countValues(cellsOf(row, separator), separator !== ',') < 3).length;
       return 10 * bad <= this.rows.length;
     });
     return good ?? ['\t', ';', '|', ','].find((separator) => this.rows[0].includes(separator)) ?? ' ';
@@ -240,6 +256,8 @@ class Guesser {
     const best = read.find((meaning) => meaning.roles.length === columns) ?? read[0];
     if (best.degrees) throw new UnreadableCloud('the columns are longitude and latitude, which are angles and no lengths');
     let { roles } = best;
+    // A mark of a comment that is not one of ours.
+    if (roles.length === columns + 1 && columns > 0 && best.names[0] === '') roles = roles.slice(1);
     if (roles.length + 1 === columns && this.rows.length > 0) {
       roles = ['-', ...roles];
       this.form.guessed = true;
@@ -256,7 +274,7 @@ class Guesser {
 
   private checkPassedOver(columns: number): void {
     const cells = this.lastPassed === '' ? [] : cellsOf(this.lastPassed, this.form.separator);
-    if (cells.length !== columns || countNumbers(cells, true) > 0) return;
+    if (cells.length !== columns || countValues(cells, true) > 0) return;
     throw new UnreadableCloud(`no columns x, y, z; found: ${cells.join(', ')}`);
   }
 

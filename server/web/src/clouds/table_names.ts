@@ -10,13 +10,17 @@ const kAxisWords = words('pos position positions coord coords coordinate coordin
   'local m mm cm ft km meter meters metre metres center centre vertex global xyz');
 const kNormalWords = new Set('n normal normals norm'.split(' '));
 const kColorWords = words('color colour col rgb f diffuse color8 scan');
-const kEast = new Set('easting eastings east rechtswert ostwert ost este est xeast xeasting eastx eastingx me'.split(' '));
-const kNorth = new Set('northing northings north hochwert nordwert nord norte ynorth ynorthing northy northingy mn'.split(' '));
+const kEast = new Set('easting eastings east rechtswert rechts ostwert ost este est xeast xeasting eastx eastingx me'.split(' '));
+const kNorth = new Set('northing northings north hochwert hoch nordwert nord norte ynorth ynorthing northy northingy mn'.split(' '));
 const kUp = new Set('height elevation elev ele altitude alt hoehe höhe h\ufffdhe level rl cota quota zheight heightz zelev zelevation h'.split(' '));
+/** What has an x, y and z too, and is no place. */
+const kOtherVectors = new Set(('n normal normals norm v vel velocity a acc accel acceleration f force s std sigma sd err error rot rotation angle euler q quat gyro mag scale ' +
+  'size dir direction t tangent').split(' '));
 const kLongitude = new Set('lon long lng longitude londeg'.split(' '));
 const kLatitude = new Set('lat latitude latdeg'.split(' '));
 
 export interface HeaderMeaning {
+  names: string[];
   roles: Role[];
   hasPosition: boolean;
   degrees: boolean;
@@ -44,14 +48,27 @@ function takeGroup(names: string[], among: Set<string>, letters: string[], first
 
 function findCompass(names: string[], among: Set<string>, letter: string, other: string): number {
   const found = names.findIndex((name) => isWord(among, name));
-  return found >= 0 || !names.includes(other) ? found : names.indexOf(letter);
+  if (found >= 0) return found;
+  return names.findIndex((name) => name.endsWith(letter) && kAxisWords.has(name.slice(0, -1)) && names.includes(name.slice(0, -1) + other));
+}
+
+/** Three names that differ in the letter of an axis alone, or X1, X2, X3 with nothing beside them. None if there are several such. */
+function findAlike(names: string[]): number[] | undefined {
+  const found = names.flatMap((name, c) => [...name].flatMap((letter, i) => {
+    const numbered = names.length === 3 && i > 0 && letter === '1';
+    if ((letter !== 'x' && !numbered) || kOtherVectors.has(name.slice(0, i))) return [];
+    const others = (numbered ? ['2', '3'] : ['y', 'z']).map((other) => names.indexOf(name.slice(0, i) + other + name.slice(i + 1)));
+    return others.every((column) => column >= 0) ? [[c, ...others]] : [];
+  }));
+  return found.length === 1 ? found[0] : undefined;
 }
 
 function takePosition(names: string[], meaning: HeaderMeaning): void {
   const own = ['x', 'y', 'z'].map((letter, i) => names.findIndex((name) => isAxis(name, kAxisWords, letter, String(i))));
   const letters = own[0] >= 0 && own[1] >= 0;
   const up = own[2] >= 0 ? own[2] : names.findIndex((name) => isWord(kUp, name));
-  const taken = [letters ? own[0] : findCompass(names, kEast, 'e', 'n'), letters ? own[1] : findCompass(names, kNorth, 'n', 'e'), up];
+  const words = [letters ? own[0] : findCompass(names, kEast, 'e', 'n'), letters ? own[1] : findCompass(names, kNorth, 'n', 'e'), up];
+  const taken = words.every((column) => column >= 0) ? words : (findAlike(names) ?? words);
   if (taken.every((column) => column >= 0)) {
     taken.forEach((column, i) => { meaning.roles[column] = kRoles[i]; });
     meaning.hasPosition = true;
@@ -65,7 +82,7 @@ function takePosition(names: string[], meaning: HeaderMeaning): void {
 
 export function meaningOf(cells: string[]): HeaderMeaning {
   const names = cells.map(plain);
-  const meaning: HeaderMeaning = { roles: names.map(() => '-'), hasPosition: false, degrees: false, synonyms: false };
+  const meaning: HeaderMeaning = { names, roles: names.map(() => '-'), hasPosition: false, degrees: false, synonyms: false };
   takePosition(names, meaning);
   takeGroup(names, kNormalWords, ['x', 'y', 'z'], 'nx', meaning);
   takeGroup(names, kColorWords, ['r', 'g', 'b'], 'r', meaning);

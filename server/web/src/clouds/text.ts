@@ -31,8 +31,10 @@ export function readText(bytes: Uint8Array, options: TableOptions = {}): TextPoi
   const values: number[] = [];
   text.split(/\r\n|\n|\r/).forEach((line, at) => {
     const start = line.trimStart();
-    if (at < form.skip || start === '' || isComment(start)) return;
+    if (at < form.skip || start === '' || start === '\u001a' || isComment(start)) return;
     const cells = valuesOf(line, form.separator);
+    // The last value may be missing behind its separator.
+    if (form.separator !== ' ' && line.endsWith(form.separator)) cells.push('');
     if (cells.length === 1) return; // a count of points
     const point = columns.map((column) => (column < cells.length ? parseCell(cells[column], form.decimalComma) : undefined));
     if (point.includes(undefined)) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
@@ -44,10 +46,17 @@ export function readText(bytes: Uint8Array, options: TableOptions = {}): TextPoi
 
 export function readObj(bytes: Uint8Array): Float64Array {
   const values: number[] = [];
-  for (const line of decodeText(bytes).replace(/\\\r?\n/g, ' ').split('\n')) {
-    if (!line.startsWith('v ') && !line.startsWith('v\t')) continue;
-    const words = line.trim().split(/\s+/);
-    values.push(Number(words[1]), Number(words[2]), Number(words[3]));
+  let begun = '';
+  for (const line of [...decodeText(bytes).split(/\r\n|\n|\r/), '']) {
+    const statement = begun + line.trim();
+    begun = '';
+    // It goes on in the next line; a path in a comment may end so too.
+    if (statement.endsWith('\\') && !statement.startsWith('#')) {
+      begun = `${statement.slice(0, -1)} `;
+      continue;
+    }
+    const words = statement.split(/\s+/);
+    if (words[0] === 'v') values.push(Number(words[1]), Number(words[2]), Number(words[3]));
   }
   return Float64Array.from(values);
 }
