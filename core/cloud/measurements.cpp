@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace surfaced {
 namespace {
@@ -21,6 +22,11 @@ constexpr std::size_t kFewestNeighbours = 8;
 /// The neighbours of a place off a surface are all about as far as the nearest of them; the neighbours of a place on it
 /// are not: of a grid with spacing s the eighth is 1.4 s away, of points at random farther still.
 constexpr double kOffWithin = 1.25;
+/// A place so many spacings of its neighbours away from the nearest of them is not among them.
+constexpr double kOffSpacings = 6;
+/// Points of a ring are about as far from its pole; the next ring is twice as far.
+constexpr double kRing = 1.05;
+constexpr double kNextRing = 1.5;
 
 /// The shortest text that is this value.
 std::string value_text(double value) {
@@ -75,18 +81,48 @@ Error not_finite(const RawCloud& raw, const Found& found, Missing missing) {
   return {ErrorCode::coordinate_not_finite, detail};
 }
 
+/// Median over the points of the distance to the nearest other.
+double spacing_among(const std::vector<Point3>& points) {
+  std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = 0; j < points.size(); ++j) {
+      const double distance = norm(points[i] - points[j]);
+      if (distance > 0) nearest[i] = std::min(nearest[i], distance);
+    }
+  }
+  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+  std::ranges::nth_element(nearest, middle);
+  return *middle;
+}
+
+/// Whether the origin is the pole of rings of points, each as far from the next as the first from the pole: a grid of
+/// angles has as many points there as in a ring.
+bool is_pole(const std::vector<Point3>& others) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Point3& p : others) nearest = std::min(nearest, norm(p));
+  double next = std::numeric_limits<double>::infinity();
+  for (const Point3& p : others) {
+    if (const double distance = norm(p); distance > kRing * nearest) next = std::min(next, distance);
+  }
+  return std::isfinite(next) && next >= kNextRing * nearest;
+}
+
 /// Whether the origin lies off all points that are not there.
 bool origin_is_off(const std::vector<Point3>& positions) {
-  std::vector<double> distances;
-  distances.reserve(positions.size());
+  std::vector<Point3> others;
+  others.reserve(positions.size());
   for (const Point3& p : positions) {
-    if (is_finite(p) && p != Point3{}) distances.push_back(norm(p));
+    if (is_finite(p) && p != Point3{}) others.push_back(p);
   }
-  const std::size_t count = std::clamp(distances.size() / 8, kFewestNeighbours, kMostNeighbours);
-  if (distances.size() < count) return false;
-  std::ranges::nth_element(distances, distances.begin() + static_cast<std::ptrdiff_t>(count - 1));
-  const double nearest = *std::min_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(count));
-  return distances[count - 1] <= kOffWithin * nearest;
+  const std::size_t count = std::clamp(others.size() / 8, kFewestNeighbours, kMostNeighbours);
+  if (others.size() < count || is_pole(others)) return false;
+  const auto nearer = [](const Point3& a, const Point3& b) {
+    return std::pair(norm(a), a) < std::pair(norm(b), b);  // of equals the same ones for any order
+  };
+  std::ranges::partial_sort(others, others.begin() + static_cast<std::ptrdiff_t>(count), nearer);
+  others.resize(count);
+  const double nearest = norm(others.front());
+  return norm(others.back()) <= kOffWithin * nearest || nearest >= kOffSpacings * spacing_among(others);
 }
 
 /// Corners of a mesh come several times each, also where one is the origin; points of a scan do not.

@@ -15,6 +15,14 @@ constexpr double kSlack = 0.125;
 /// Steps below this share of the spacing do no harm.
 constexpr double kHarmless = 1.0 / 32;
 
+/// Decimals that are looked for in coordinates of a text, and how far from one a double may lie, in steps.
+constexpr int kMostDecimals = 9;
+constexpr double kDecimalSlack = 1e-4;
+/// Rounding moves a point, and the ends of the line, by half a step of every axis each.
+constexpr double kLineSteps = 2;
+/// What is shorter, in steps, may be a body of few steps' thickness.
+constexpr double kLeastLine = 1000;
+
 /// The step of float32 at this magnitude.
 double step_at(double magnitude) {
   int exponent = 0;
@@ -54,29 +62,54 @@ std::optional<FloatSteps> float_steps_of(const std::vector<Point3>& positions, u
   return FloatSteps{.step = step, .spacing = spacing};
 }
 
-bool on_a_line_of_floats(const std::vector<Point3>& positions) {
-  // Rounding moves a point, and the ends of the line, by half a step of every axis each.
-  constexpr double kSteps = 2;
-  const auto is_float = [](double x) { return static_cast<double>(static_cast<float>(x)) == x; };
-  if (positions.size() < 3 ||
-      !std::ranges::all_of(positions, [&](const Point3& p) { return std::ranges::all_of(p, is_float); })) {
-    return false;
+namespace {
+
+/// How finely every axis is rounded: to float32, or to a number of decimals; none if to neither.
+std::optional<Point3> rounding_of(const std::vector<Point3>& positions) {
+  const Bounds bounds = bounds_of(positions);
+  const auto all = [&](const auto& is) {
+    return std::ranges::all_of(positions, [&](const Point3& p) { return std::ranges::all_of(p, is); });
+  };
+  if (all([](double x) { return static_cast<double>(static_cast<float>(x)) == x; })) {
+    Point3 steps{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      steps[axis] = step_at(std::max(std::abs(bounds.low[axis]), std::abs(bounds.high[axis])));
+    }
+    return steps;
   }
+  for (int decimals = 0; decimals <= kMostDecimals; ++decimals) {
+    const double scale = std::pow(10.0, decimals);
+    if (all([scale](double x) { return std::abs(x * scale - std::round(x * scale)) <= kDecimalSlack; })) {
+      return Point3{1 / scale, 1 / scale, 1 / scale};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool on_a_rounded_line(const std::vector<Point3>& positions) {
+  if (positions.size() < 3) return false;
   const Bounds bounds = bounds_of(positions);
   const Point3 extent = bounds.high - bounds.low;
   const auto longest = static_cast<std::size_t>(std::ranges::max_element(extent) - extent.begin());
   const auto along = [longest](const Point3& a, const Point3& b) { return a[longest] < b[longest]; };
   const auto [first, last] = std::ranges::minmax_element(positions, along);
   const Point3 direction = *last - *first;
-  if (!(direction[longest] > 0)) return false;
-  return std::ranges::all_of(positions, [&, from = *first](const Point3& p) {
-    const double share = (p[longest] - from[longest]) / direction[longest];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double step = step_at(std::max(std::abs(bounds.low[axis]), std::abs(bounds.high[axis])));
-      if (!(std::abs(p[axis] - from[axis] - share * direction[axis]) <= kSteps * step)) return false;
-    }
-    return true;
-  });
+  const auto is_line = [&, from = *first](const Point3& tolerance) {
+    return std::ranges::all_of(positions, [&](const Point3& p) {
+      const double share = (p[longest] - from[longest]) / direction[longest];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (!(std::abs(p[axis] - from[axis] - share * direction[axis]) <= tolerance[axis])) return false;
+      }
+      return true;
+    });
+  };
+  const double most = kLineSteps * extent[longest] / kLeastLine;
+  if (!is_line({most, most, most})) return false;
+  const std::optional<Point3> steps = rounding_of(positions);
+  if (!steps || !(extent[longest] >= kLeastLine * std::ranges::max(*steps))) return false;
+  return is_line({kLineSteps * (*steps)[0], kLineSteps * (*steps)[1], kLineSteps * (*steps)[2]});
 }
 
 }  // namespace surfaced

@@ -43,9 +43,10 @@ struct FloatSteps {
 /// @cost  O(V); a search for the spacing only where they do.
 std::optional<FloatSteps> float_steps_of(const std::vector<Point3>& positions, unsigned threads);
 
-/// Whether the points, all of whose coordinates float32 holds, lie on a line but for what rounding to float32 moves
-/// them: two steps on every axis.
-bool on_a_line_of_floats(const std::vector<Point3>& positions);
+/// Whether the points lie on a line but for what rounding moves them, two steps on every axis: to float32, if it holds
+/// all coordinates, or else to a number of decimals that all have. A line is a thousand steps long.
+/// @cost  O(V); one pass if they are no line.
+bool on_a_rounded_line(const std::vector<Point3>& positions);
 
 /// Where code computes that has absolute thresholds, or that may not lose digits to a far-off origin: the least corner
 /// of the points is the origin, and a power of two brings the longest side of their box to [512, 1024). Local points

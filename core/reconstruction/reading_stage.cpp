@@ -163,9 +163,9 @@ Result<PointCloud> load_cloud(const std::filesystem::path& path, const ReadOptio
   if (!raw) return std::move(raw).error();
   Result<PointCloud> cloud = make_cloud(std::move(*raw), context.threads(), missing);
   if (!cloud) return with_name(cloud.error(), called);
-  if (on_a_line_of_floats(cloud->positions)) {
+  if (on_a_rounded_line(cloud->positions)) {
     return with_name({ErrorCode::collinear, "all " + std::to_string(cloud->size()) +
-                                                " distinct points lie on one line, but for rounding to float32"},
+                                                " distinct points lie on one line, but for rounding"},
                      called);
   }
   warn_of_points(*cloud, context);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -69,6 +70,18 @@ TEST(MakeCloud, leaves_out_many_points_at_0_0_0_off_all_others_and_says_how_to_k
   }
 }
 
+TEST(MakeCloud, leaves_out_points_at_0_0_0_though_few_others_are_near_the_camera) {
+  // The floor before a camera, and a wall behind it.
+  std::vector<Point3> room;
+  for (int i = -20; i < 20; ++i) {
+    for (int j = 0; j < 60; ++j) {
+      room.push_back({0.05 * i + 0.01, 0.5, 0.3 + 0.05 * j});
+      room.push_back({0.05 * i + 0.02, 0.5 - 0.05 * j, 3.3});
+    }
+  }
+  EXPECT_EQ(make_cloud(testing::raw_cloud(with_zeros(room, 100)), 1, Missing::drop)->missing, 100U);
+}
+
 TEST(MakeCloud, keeps_points_at_0_0_0_on_the_surface_and_few_of_them_and_corners_of_a_mesh) {
   std::vector<Point3> on = testing::sphere_points(2000);
   const Point3 shift = on[700];
@@ -80,6 +93,17 @@ TEST(MakeCloud, keeps_points_at_0_0_0_on_the_surface_and_few_of_them_and_corners
   }
   EXPECT_EQ(make_cloud(testing::raw_cloud(with_zeros(grid, 100)), 1, Missing::drop)->missing, 0U);
   EXPECT_EQ(make_cloud(testing::raw_cloud(with_zeros(testing::sphere_points(2000), 3)), 1, Missing::drop)->missing, 0U);
+  // Rings of 100 points around a pole, which a grid of angles has as often.
+  std::vector<Point3> rings;
+  for (int ring = 1; ring < 50; ++ring) {
+    for (int k = 0; k < 100; ++k) {
+      const double latitude = ring * 0.06;
+      const double longitude = k * 0.0628318;
+      rings.push_back(
+          {std::sin(latitude) * std::cos(longitude), std::sin(latitude) * std::sin(longitude), 1 - std::cos(latitude)});
+    }
+  }
+  EXPECT_EQ(make_cloud(testing::raw_cloud(with_zeros(rings, 100)), 1, Missing::drop)->missing, 0U);
   RawCloud mesh = testing::raw_cloud(with_zeros(testing::sphere_points(2000), 100));
   mesh.source.faces = 1;
   EXPECT_EQ(make_cloud(mesh, 1, Missing::drop)->missing, 0U);

@@ -152,6 +152,15 @@ TEST_F(Reading, a_line_in_any_direction_is_called_one_although_rounding_bends_it
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::collinear);
   EXPECT_TRUE(reconstruct(write("band.ply", encode_cloud_ply(band, {}, {}))));
+  // A text is rounded to decimals; a rod of few of its steps is none.
+  std::string text;
+  std::string rod;
+  for (int i = 0; i < 50; ++i) {
+    text += std::to_string(i * 0.0371) + " " + std::to_string(7 - 0.77 * i) + " " + std::to_string(0.123 * i) + "\n";
+    for (const char* side : {" 0 0\n", " 1 0\n", " 0 1\n", " 1 1\n"}) rod += std::to_string(2 * i) + side;
+  }
+  EXPECT_EQ(reconstruct(write("line.xyz", text)).error().code, ErrorCode::collinear);
+  EXPECT_TRUE(reconstruct(write("rod.xyz", rod)));
 }
 
 }  // namespace

@@ -56,3 +56,22 @@ test('the page counts and measures the points of every format as the server does
   }
   assert.deepEqual(page.complaints, []);
 });
+
+test('the first rows of a text are shown, and it is read again as the parameters say', async () => {
+  const rows = Array.from({ length: 8 }, (_, i) => `${i * i},${i},${i % 3}`);
+  await dropFile(page, 'unknown.csv', Buffer.from(`a,b,c\n${rows.join('\n')}\n`));
+  const note = await page.waitForSelector('#setup .panel:first-child .note');
+  assert.match(await note.textContent(), /no columns x, y, z; found: a, b, c/);
+  const set = (columns) => page.$eval('#parameter-columns', (input, value) => {
+    input.value = value;
+    input.dispatchEvent(new Event('change', { bubbles: true }));
+  }, columns);
+  await set('z,x,y');
+  await page.waitForSelector('.table-preview', { state: 'attached' });
+  assert.deepEqual(await page.$$eval('.table-preview th', (cells) => cells.map((cell) => cell.textContent)), ['z', 'x', 'y']);
+  assert.deepEqual(await page.$$eval('.table-preview tbody tr', (lines) => lines.map((line) => [...line.cells].map((cell) => cell.textContent).join())), rows.slice(0, 5));
+  assert.equal((await facts(page))[2], '8');
+  await set('auto');
+  await page.waitForSelector('#setup .panel:first-child .note');
+  assert.deepEqual(page.complaints, []);
+});

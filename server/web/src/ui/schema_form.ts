@@ -28,24 +28,24 @@ function choice(id: string, options: string[], value: unknown): HTMLSelectElemen
 }
 
 /** A word, as `auto`, or a number. */
-function wordOrNumber(id: string, word: string, number: ParameterSchema, otherwise: unknown): { input: HTMLElement; value: () => unknown } {
+function wordOrNumber(id: string, words: string[], number: ParameterSchema, otherwise: unknown): { input: HTMLElement; value: () => unknown } {
   const own = typeof otherwise === 'number';
-  const select = choice(id, [word, 'a value'], own ? 'a value' : word);
+  const select = choice(id, [...words, 'a value'], own ? 'a value' : otherwise);
   const input = numberInput(`${id}-number`, number, own ? otherwise : (number.minimum ?? 1));
   input.setAttribute('aria-label', 'Value');
   input.hidden = !own;
   input.disabled = !own;
   select.addEventListener('change', () => {
-    input.hidden = select.value === word;
+    input.hidden = select.value !== 'a value';
     input.disabled = input.hidden;
   });
-  return { input: h('span', { class: 'pair' }, select, input), value: () => (select.value === word ? word : Number(input.value)) };
+  return { input: h('span', { class: 'pair' }, select, input), value: () => (select.value === 'a value' ? Number(input.value) : select.value) };
 }
 
 function inputOf(id: string, schema: ParameterSchema): { input: HTMLElement; value: () => unknown } {
   const number = schema.oneOf?.find(isNumber);
-  const word = schema.oneOf?.find((each) => each.const !== undefined)?.const;
-  if (number && typeof word === 'string') return wordOrNumber(id, word, number, schema.default);
+  const words = (schema.oneOf ?? []).flatMap((each) => each.enum ?? (typeof each.const === 'string' ? [each.const] : []));
+  if (number && words.length > 0) return wordOrNumber(id, words, number, schema.default);
   if (schema.enum) {
     const select = choice(id, schema.enum, schema.default);
     return { input: select, value: () => select.value };
