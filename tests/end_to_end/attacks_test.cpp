@@ -2,7 +2,6 @@
 // What strangers do to a service on the network: the right status, little memory, and others are served meanwhile.
 #include <gmock/gmock.h>
 #include <sys/resource.h>
-#include <zlib.h>
 
 #include <atomic>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <sstream>
 #include <thread>
 
+#include "support/gzip_files.hpp"
 #include "support/limited_child.hpp"
 #include "support/service_client.hpp"
 #include "support/shapes.hpp"
@@ -133,25 +133,8 @@ TEST_F(AttackTest, a_chunked_body_of_64_mib_stops_at_the_limit) {
   EXPECT_TRUE(std::filesystem::is_empty(directory_.path() / "data/uploads"));
 }
 
-/// What gzip makes of this many zeros.
-std::string gzip_bomb(std::size_t size) {
-  const std::string zeros(size, '\0');
-  std::string bomb(size / 512, '\0');
-  z_stream stream{};
-  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-cstyle-cast,google-readability-casting): within zlib's macro
-  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(zeros.data()));
-  stream.avail_in = static_cast<uInt>(zeros.size());
-  stream.next_out = reinterpret_cast<Bytef*>(bomb.data());
-  stream.avail_out = static_cast<uInt>(bomb.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  bomb.resize(stream.total_out);
-  deflateEnd(&stream);
-  return bomb;
-}
-
 TEST_F(AttackTest, a_compressed_body_of_256_mib_is_inflated_by_the_child_alone_and_refused) {
-  const std::string bomb = gzip_bomb(std::size_t{256} << 20);
+  const std::string bomb = testing::gzipped(std::string(std::size_t{256} << 20, '\0'));
   EXPECT_LT(bomb.size(), std::size_t{1} << 20);
   for (const char* coding : {"deflate", "br", "gzip, identity"}) {
     const Answer answer = call(port(), "POST", "/v1/jobs?method=advancing-front", bomb, {{"Content-Encoding", coding}});

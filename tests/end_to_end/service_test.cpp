@@ -10,6 +10,7 @@
 #include <random>
 #include <thread>
 
+#include "support/gzip_files.hpp"
 #include "support/limited_child.hpp"
 #include "support/service_client.hpp"
 #include "support/shapes.hpp"
@@ -154,6 +155,20 @@ TEST_F(ServiceTest, the_accept_header_chooses_the_format_of_the_mesh_unless_the_
   EXPECT_EQ(type_for("", "model/stl"), "model/stl");
   EXPECT_EQ(type_for("", "model/obj;q=0.5, model/3mf"), "model/3mf");
   EXPECT_EQ(type_for("&output=obj", "model/stl"), "model/obj");
+}
+
+TEST_F(ServiceTest, a_cloud_is_taken_as_gzip_with_a_header_or_without) {
+  const std::string body = ply(testing::sphere_points(100));
+  const std::string packed = testing::gzipped(body);
+  const std::string plain = call("POST", "/v1/reconstruct?method=advancing-front&output=ply", body).body;
+  for (const auto& headers : std::vector<testing::Fields>{{}, {{"Content-Encoding", "gzip"}}}) {
+    const Answer answer = call("POST", "/v1/reconstruct?method=advancing-front&output=ply", packed, headers);
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    EXPECT_EQ(answer.body, plain);
+  }
+  // What is stored is what was sent.
+  const Json stored = Json::parse(call("POST", "/v1/clouds", packed, {{"Content-Encoding", "gzip"}}).body);
+  EXPECT_EQ(stored.at("id"), Json::parse(call("POST", "/v1/clouds", packed).body).at("id"));
 }
 
 TEST_F(ServiceTest, wrong_requests_are_refused_before_anything_is_stored) {
