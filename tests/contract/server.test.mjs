@@ -132,7 +132,7 @@ const malformed = [
   ['a PNG', Buffer.from('89504e470d0a1a0a0000000d49484452', 'hex'), ['unknown_format']],
   ['a PLY that ends early', knot.subarray(0, 2000), ['truncated_input']],
   ['a count of 2^40', Buffer.from('ply\nformat binary_little_endian 1.0\nelement vertex 1099511627776\nproperty float x\nproperty float y\nproperty float z\nend_header\n'), ['truncated_input']],
-  ['a NaN', Buffer.from('ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\nnan 0 0\n'), ['coordinate_not_finite']],
+  ['a NaN', Buffer.from('ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 nan\nnan 0 0\n'), ['coordinate_not_finite']],
   ['1e299', Buffer.from('ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\nend_header\n1e299 0 0\n'), ['coordinate_out_of_range']],
   ['equal points', Buffer.from(`ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n${'1 1 1\n'.repeat(4)}`), ['too_few_points']],
   ['collinear points', Buffer.from('ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n1 1 1\n2 2 2\n3 3 3\n'), ['collinear']],
