@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The command as a user meets it: exit codes, problems on stderr, and what bad input costs.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <sstream>
 
+#include "command/command_run.hpp"
 #include "io/io.hpp"
 #include "support/limited_child.hpp"
 #include "support/shapes.hpp"
@@ -20,75 +18,11 @@
 namespace surfaced {
 namespace {
 
+using testing::Command;
 using ::testing::HasSubstr;
+using testing::Ran;
+using testing::read_all;
 namespace fs = std::filesystem;
-
-struct Ran {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-  /// Of the processor.
-  double seconds = 0;
-  double peak_megabytes = 0;
-};
-
-std::string read_all(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-class Command : public ::testing::Test {
- protected:
-  Command() : folder_(fs::temp_directory_path() / ("surfaced-command-" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~Command() override { fs::remove_all(folder_); }
-
-  fs::path write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-    return folder_ / name;
-  }
-
-  fs::path sphere(std::size_t points = 500) const {
-    const auto bytes = encode_cloud_ply(testing::sphere_points(points), {}, {});
-    return write("sphere.ply", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-  }
-
-  /// Runs the binary with standard output and error in files; measures processor time and peak memory.
-  Ran run(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), SURFACED_BINARY);
-    std::vector<char*> argv;
-    for (std::string& each : arguments) argv.push_back(each.data());
-    argv.push_back(nullptr);
-    const pid_t child = ::fork();
-    if (child == 0) {
-      ::dup2(::open((folder_ / "out").c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDOUT_FILENO);
-      ::dup2(::open((folder_ / "err").c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDERR_FILENO);
-      ::execv(SURFACED_BINARY, argv.data());
-      ::_exit(127);
-    }
-    int status = 0;
-    rusage usage{};
-    ::wait4(child, &status, 0, &usage);
-    Ran ran;
-    ran.seconds = testing::processor_seconds(usage);
-    ran.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    ran.out = read_all(folder_ / "out");
-    ran.err = read_all(folder_ / "err");
-    ran.peak_megabytes = static_cast<double>(usage.ru_maxrss) / 1024;
-    return ran;
-  }
-
-  Ran reconstruct(const fs::path& cloud, const std::string& mesh = "m.glb") const {
-    return run({"reconstruct", cloud, "-o", folder_ / mesh, "--method", "advancing-front"});
-  }
-
-  /// The one problem on stderr.
-  static nlohmann::json problem(const Ran& ran) { return nlohmann::json::parse(ran.err); }
-
-  fs::path folder_;
-};
 
 std::string ply(const std::string& format, const std::string& count, const std::string& type, const std::string& body) {
   return "ply\nformat " + format + " 1.0\nelement vertex " + count + "\nproperty " + type + " x\nproperty " + type +
@@ -383,60 +317,6 @@ TEST_F(Command, every_shared_cloud_gives_a_mesh_whose_report_agrees_with_a_recou
     EXPECT_EQ(measured.at("mesh"), report.at("mesh")) << entry.path();
     EXPECT_EQ(measured.at("quality").at("unused_points"), report.at("quality").at("unused_points")) << entry.path();
     EXPECT_TRUE(report.at("mesh").at("edge_manifold").get<bool>()) << entry.path();
-  }
-}
-
-/// The commands of ours that a text names: `surfaced`, then small words and flags.
-std::vector<std::vector<std::string>> commands_in(const std::string& text) {
-  std::vector<std::vector<std::string>> commands;
-  static const std::regex kCommand("surfaced((?: --?[a-z-]+| [a-z]+(?=[,;. ]|$))+)");
-  for (std::sregex_iterator found(text.begin(), text.end(), kCommand), end; found != end; ++found) {
-    std::istringstream words((*found)[1].str());
-    std::vector<std::string> command;
-    for (std::string word; words >> word && command.size() < 2 && word != "lists" && word != "gives";) {
-      command.push_back(word);
-    }
-    if (!command.empty()) commands.push_back(command);
-  }
-  return commands;
-}
-
-TEST_F(Command, every_command_that_a_hint_names_runs) {
-  const auto table = nlohmann::json::parse(std::ifstream(SURFACED_ERRORS));
-  std::size_t run_ones = 0;
-  for (const auto& row : table.at("errors")) {
-    for (std::vector<std::string> command : commands_in(row.at("hint").get<std::string>())) {
-      if (command.front() != "--help" && command != std::vector<std::string>{"methods"}) command.emplace_back("--help");
-      const Ran ran = run(command);
-      EXPECT_EQ(ran.exit_code, 0) << row.at("hint") << ran.err;
-      ++run_ones;
-    }
-  }
-  EXPECT_GE(run_ones, 3U);
-}
-
-/// What a refusal or a warning says helps.
-TEST_F(Command, every_way_out_that_a_message_names_works) {
-  std::string rows;
-  for (const Point3& p : testing::sphere_points(500)) {
-    rows += std::to_string(p[0]) + "," + std::to_string(p[1]) + "," + std::to_string(p[2]) + "\n";
-  }
-  struct Way {
-    std::string file;
-    std::string text;
-    std::string parameter;
-  };
-  const std::string declared = "600\n" + rows;
-  for (const Way& way : std::vector<Way>{{"names.csv", "a,b,c\n" + rows, "columns=x,y,z"},
-                                         {"degrees.csv", "lon,lat,height\n" + rows, "columns=x,y,z"},
-                                         {"cut.pts", declared, "truncated=take"}}) {
-    const fs::path file = write(way.file, way.text);
-    const Ran refused = reconstruct(file);
-    EXPECT_EQ(refused.exit_code, 3) << way.file;
-    EXPECT_THAT(refused.err, HasSubstr(way.parameter)) << way.file;
-    const Ran taken =
-        run({"reconstruct", file, "-o", folder_ / "m.glb", "--method", "advancing-front", "--param", way.parameter});
-    EXPECT_EQ(taken.exit_code, 0) << way.file << taken.err;
   }
 }
 

@@ -8,10 +8,9 @@ import { readPcd } from './pcd';
 import { readPly } from './ply';
 import { isBinaryStl, readStl } from './stl';
 import type { TableOptions } from './table';
-import { decodeText, isObj, readObj, readText } from './text';
+import { decodeText, encodingOf, isObj, readObj, readText } from './text';
 
 const isGzip = (bytes: Uint8Array): boolean => bytes[0] === 0x1f && bytes[1] === 0x8b;
-const isUtf16 = ([first, second]: Uint8Array): boolean => (first === 0xff && second === 0xfe) || (first === 0xfe && second === 0xff);
 
 async function gunzipped(bytes: Uint8Array): Promise<Uint8Array> {
   const stream = new Blob([bytes as BlobPart]).stream().pipeThrough(new DecompressionStream('gzip'));
@@ -24,7 +23,7 @@ export async function readCloud(given: Uint8Array, table: TableOptions = {}): Pr
   // A byte order mark may stand before any format of text.
   const marked = unpacked[0] === 0xef && unpacked[1] === 0xbb && unpacked[2] === 0xbf;
   const bytes = marked ? unpacked.subarray(3) : unpacked;
-  if (isUtf16(bytes)) return readCloud(new TextEncoder().encode(decodeText(bytes)), table);
+  if (encodingOf(bytes) !== 'utf-8') return readCloud(new TextEncoder().encode(decodeText(bytes)), table);
   const head = new TextDecoder('latin1').decode(bytes.subarray(0, 4096));
   if (/^ply[ \t]*[\r\n]/i.test(head)) return toCloudData(readPly(bytes), 'PLY');
   if (head.startsWith('DRACO')) return toCloudData((await decodeDraco(bytes)).positions, 'Draco');

@@ -8,14 +8,16 @@ export interface TextPoints {
   form: TableForm;
 }
 
-/** Text of any encoding that a byte order mark or its zeros tell. */
-export function decodeText(bytes: Uint8Array): string {
+/** The encoding, which a byte order mark or the zeros tell. */
+export function encodingOf(bytes: Uint8Array): 'utf-16le' | 'utf-16be' | 'utf-8' {
   const [first, second] = bytes;
   const zeros = [0, 1].map((offset) => bytes.subarray(0, 16).filter((byte, i) => i % 2 === offset && byte === 0).length);
-  const little = (first === 0xff && second === 0xfe) || (zeros[0] === 0 && zeros[1] === 8);
-  const big = (first === 0xfe && second === 0xff) || (zeros[0] === 8 && zeros[1] === 0);
-  return new TextDecoder(little ? 'utf-16le' : big ? 'utf-16be' : 'utf-8').decode(bytes).replace(/^\uFEFF/, '');
+  if ((first === 0xff && second === 0xfe) || (zeros[0] === 0 && zeros[1] === 8)) return 'utf-16le';
+  if ((first === 0xfe && second === 0xff) || (zeros[0] === 8 && zeros[1] === 0)) return 'utf-16be';
+  return 'utf-8';
 }
+
+export const decodeText = (bytes: Uint8Array): string => new TextDecoder(encodingOf(bytes)).decode(bytes).replace(/^\uFEFF/, '');
 
 /** The form of a text, told by as many of its bytes as the server looks at. */
 export function formOf(text: string, options: TableOptions = {}): TableForm {
