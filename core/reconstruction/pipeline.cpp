@@ -252,6 +252,13 @@ Result<Input> mesh_input(const FileRequest& request, const ReadOptions& options,
 
 double method_until(const Json& parameters) { return asks_for_simplifying(parameters) ? kMethodUntil : kFinishedUntil; }
 
+/// A method that fails fails of what is doubtful first.
+Error with_doubts(Error error, const std::vector<std::string>& doubts) {
+  if (error.code != ErrorCode::method_failed) return error;
+  for (const std::string& doubt : doubts) error.detail += "; " + doubt;
+  return error;
+}
+
 Result<Input> input_of(const FileRequest& request, Context& context) {
   context.section(kReadUntil);
   context.enter("read", 1);
@@ -260,8 +267,10 @@ Result<Input> input_of(const FileRequest& request, Context& context) {
   const Missing missing = request.parameters.at("missing") == "refuse" ? Missing::refuse : Missing::drop;
   Result<PointCloud> cloud = load_cloud(request.cloud, options, missing, request.cloud_name, context);
   if (!cloud) return std::move(cloud).error();
+  const std::vector<std::string> doubts = doubts_of(*cloud, request.parameters, context);
+  cloud->warnings.insert(cloud->warnings.end(), doubts.begin(), doubts.end());
   Result<Made> made = make(*cloud, *request.method, request.parameters, method_until(request.parameters), context);
-  if (!made) return std::move(made).error();
+  if (!made) return with_doubts(std::move(made).error(), doubts);
   return Input{std::move(*cloud), std::move(*made)};
 }
 

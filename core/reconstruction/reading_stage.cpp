@@ -68,23 +68,6 @@ T named(const Json& value, const auto& table) {
   return table.front().second;
 }
 
-/// What may spoil a reconstruction although every point is read right.
-void warn_of_points(PointCloud& cloud, Context& context) {
-  if (const auto steps = float_steps_of(cloud.positions, context.threads())) {
-    cloud.warnings.push_back("the coordinates lie on steps of " + briefly(steps->step) +
-                             ", those of float32 so far from 0, while the points are " + briefly(steps->spacing) +
-                             " apart: digits were lost before this file was written; write it with double coordinates, "
-                             "or move the cloud to the origin first");
-  }
-  if (const auto repeats = near_repeats_of(cloud.positions)) {
-    const auto percent = static_cast<int>(100 * repeats->share + 0.5);
-    cloud.warnings.push_back(
-        "near-repeats: " + std::to_string(percent) + " % of the points have another within about " +
-        briefly(repeats->near) + ", while the next is " + briefly(repeats->far) +
-        " away, as in several scans of one thing; fuse=auto merges points within " + briefly(repeats->tolerance));
-  }
-}
-
 Error with_name(Error error, const std::string& name) {
   error.detail = name + ": " + error.detail;
   return error;
@@ -164,12 +147,30 @@ Result<PointCloud> load_cloud(const std::filesystem::path& path, const ReadOptio
   Result<PointCloud> cloud = make_cloud(std::move(*raw), context.threads(), missing);
   if (!cloud) return with_name(cloud.error(), called);
   if (on_a_rounded_line(cloud->positions)) {
-    return with_name({ErrorCode::collinear, "all " + std::to_string(cloud->size()) +
-                                                " distinct points lie on one line, but for rounding"},
+    return with_name({ErrorCode::collinear,
+                      "all " + std::to_string(cloud->size()) + " distinct points lie on one line, but for rounding"},
                      called);
   }
-  warn_of_points(*cloud, context);
   return cloud;
+}
+
+std::vector<std::string> doubts_of(const PointCloud& cloud, const Json& parameters, Context& context) {
+  std::vector<std::string> doubts;
+  if (const auto steps = float_steps_of(cloud.positions, context.threads())) {
+    doubts.push_back("the coordinates lie on steps of " + briefly(steps->step) +
+                     ", those of float32 so far from 0, while the points are " + briefly(steps->spacing) +
+                     " apart: digits were lost before this file was written; write it with double coordinates, or move "
+                     "the cloud to the origin first");
+  }
+  if (parameters.at("fuse") != "none") return doubts;
+  if (const auto repeats = near_repeats_of(cloud.positions)) {
+    const auto percent = static_cast<int>(100 * repeats->share + 0.5);
+    doubts.push_back("near-repeats: " + std::to_string(percent) + " % of the points have another within about " +
+                     briefly(repeats->near) + ", while the next is " + briefly(repeats->far) +
+                     " away, as in several scans of one thing; fuse=auto merges points within " +
+                     briefly(repeats->tolerance));
+  }
+  return doubts;
 }
 
 Result<LoadedMesh> load_mesh(const std::filesystem::path& path, const ReadOptions& options, std::string_view name,

@@ -18,10 +18,14 @@ bool asks_for_mesh(const Json& parameters);
 /// How the parameters want a file read.
 ReadOptions read_options_of(const Json& parameters, const ReadLimits& limits, bool files_beside);
 
-/// A cloud from a file, with warnings of what a user should know of it before anything is made of it.
+/// A cloud from a file.
 /// @param name  what messages call it; empty: its file name.
 Result<PointCloud> load_cloud(const std::filesystem::path& path, const ReadOptions& options, Missing missing,
                               std::string_view name, Context& context);
+
+/// What may spoil a reconstruction although every point is read right, a sentence each: steps of float32; near-repeats
+/// that the parameters do not fuse.
+std::vector<std::string> doubts_of(const PointCloud& cloud, const Json& parameters, Context& context);
 
 /// A mesh from a file, and its vertices as a cloud.
 struct LoadedMesh {

@@ -19,15 +19,15 @@ using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const MethodInfo& front() { return **find_method("advancing-front"); }
-
 class Reading : public ::testing::Test {
  protected:
-  Result<Json> reconstruct(const std::filesystem::path& file, const Json& parameters = Json::object()) {
-    const Result<Json> checked = check_parameters(front(), parameters);
+  Result<Json> reconstruct(const std::filesystem::path& file, const Json& parameters = Json::object(),
+                           const char* method = "advancing-front") {
+    const MethodInfo& info = **find_method(method);
+    const Result<Json> checked = check_parameters(info, parameters);
     if (!checked) return checked.error();
     Context context;
-    return reconstruct_file({file, folder_.path() / "m.ply", &front(), *checked, {}, {}}, context);
+    return reconstruct_file({file, folder_.path() / "m.ply", &info, *checked, {}, {}}, context);
   }
 
   std::filesystem::path write(const std::string& name, const std::string& text) {
@@ -118,6 +118,10 @@ TEST_F(Reading, several_scans_of_one_thing_are_said_and_fused_if_that_is_wanted)
   }
   const auto file = write("scans.ply", encode_cloud_ply(points, {}, {}));
   EXPECT_THAT(warnings_of(*reconstruct(file)), Contains(HasSubstr("fuse=auto")));
+  // A method that fails of them says so.
+  const auto failed = reconstruct(file, Json::object(), "poisson");
+  ASSERT_FALSE(failed);
+  EXPECT_THAT(failed.error().detail, HasSubstr("fuse=auto"));
   for (const Json& fuse : {Json("auto"), Json(0.001)}) {
     const auto report = reconstruct(file, {{"fuse", fuse}});
     ASSERT_TRUE(report) << report.error().detail;
