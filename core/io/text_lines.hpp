@@ -53,6 +53,9 @@ class Columns {
   /// either.
   void split(std::string_view line, char separator, bool quoted = false);
 
+  /// Adds a value that is not in the line.
+  void push_missing() { push({}); }
+
   std::size_t count() const { return count_; }
   std::string_view operator[](std::size_t i) const { return values_[i]; }
 

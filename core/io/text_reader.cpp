@@ -136,7 +136,7 @@ class TextReader {
     columns_.split(lines_.raw(), form_.separator, form_.quotes);
     // The last value may be missing behind its separator.
     if (columns_.count() < needed_ && form_.separator != ' ' && lines_.raw().ends_with(form_.separator))
-      columns_.push({});
+      columns_.push_missing();
     const std::size_t count = columns_.count();
     if (count == 1 && (cloud_.size() == 0 || (declared_ && cloud_.size() >= *declared_))) return read_count();
     if (form_.strict ? count != form_.roles.size() : count < needed_) {
