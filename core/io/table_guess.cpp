@@ -126,11 +126,12 @@ class Guesser {
     return true;
   }
 
-  /// Three numbers, whatever separates them; perhaps text beside them.
+  /// Three numbers, whatever separates them; perhaps text beside them. Behind a header one is enough: values may miss.
   bool looks_like_row(std::string_view line) const {
+    const std::size_t least = header_ ? 1 : 3;
     if (options_.separator != Separator::guessed)
-      return count_values(cells_of(line, char_of(options_.separator)), true) >= 3;
-    return std::ranges::any_of(kSeparators, [&](char s) { return count_values(cells_of(line, s), true) >= 3; });
+      return count_values(cells_of(line, char_of(options_.separator)), true) >= least;
+    return std::ranges::any_of(kSeparators, [&](char s) { return count_values(cells_of(line, s), true) >= least; });
   }
 
   /// Whether the line names x, y and z, whatever separates the names.
@@ -223,7 +224,7 @@ class Guesser {
 
   // Step 3: what the columns are. Reads all of the above; writes form_.roles, names, strict, by_values.
   Status tell_columns() {
-    const std::size_t columns = rows_.empty() ? 0 : cells_of(rows_.front(), form_.separator).size();
+    const std::size_t columns = rows_.empty() ? 0 : columns_of_first_row();
     if (roles_) return take_named(columns);
     if (header_) return take_header_roles(columns);
     std::vector<ColumnValues> values = values_of(columns);
@@ -241,6 +242,13 @@ class Guesser {
     form_.by_values = true;
     form_.guessed |= columns > 3;
     return Done{};
+  }
+
+  /// A separator at its end is one more, where the header has a name for it.
+  std::size_t columns_of_first_row() const {
+    const std::size_t columns = cells_of(rows_.front(), form_.separator).size();
+    const bool open = form_.separator != ' ' && rows_.front().ends_with(form_.separator);
+    return open && header_ && cells_of(*header_, form_.separator).size() == columns + 1 ? columns + 1 : columns;
   }
 
   Status take_named(std::size_t columns) {

@@ -18,7 +18,7 @@ constexpr double kHarmless = 1.0 / 32;
 /// Decimals that are looked for in coordinates of a text, and how far from one a double may lie, in steps.
 constexpr int kMostDecimals = 9;
 constexpr double kDecimalSlack = 1e-4;
-/// Rounding moves a point, and the ends of the line, by half a step of every axis each.
+/// Rounding moves a point, and the ends of the line, by half a step of every axis each; along the line, too.
 constexpr double kLineSteps = 2;
 /// What is shorter, in steps, may be a body of few steps' thickness.
 constexpr double kLeastLine = 1000;
@@ -109,7 +109,12 @@ bool on_a_rounded_line(const std::vector<Point3>& positions) {
   if (!is_line({most, most, most})) return false;
   const std::optional<Point3> steps = rounding_of(positions);
   if (!steps || !(extent[longest] >= kLeastLine * std::ranges::max(*steps))) return false;
-  return is_line({kLineSteps * (*steps)[0], kLineSteps * (*steps)[1], kLineSteps * (*steps)[2]});
+  Point3 tolerance{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double slope = std::abs(direction[axis] / direction[longest]);
+    tolerance[axis] = kLineSteps * ((*steps)[axis] + slope * (*steps)[longest]);
+  }
+  return is_line(tolerance);
 }
 
 }  // namespace surfaced

@@ -164,7 +164,7 @@ class Guesser {
 
   private looksLikeRow(line: string): boolean {
     const given = this.options.separator;
-    return (given ? [signOf(given)] : kSeparators).some((separator) => countValues(cellsOf(line, separator), true) >= 3);
+    return (given ? [signOf(given)] : kSeparators).some((separator) => countValues(cellsOf(line, separator), true) >= (this.header === undefined ? 3 : 1));
   }
 
   private takeHeader(line: string): boolean {
@@ -222,7 +222,7 @@ class Guesser {
   }
 
   private tellColumns(): void {
-    const columns = this.rows.length === 0 ? 0 : cellsOf(this.rows[0], this.form.separator).length;
+    const columns = this.rows.length === 0 ? 0 : this.columnsOfFirstRow();
     if (this.roles) {
       this.takeNamed(this.roles, columns);
     } else if (this.header !== undefined) {
@@ -240,6 +240,14 @@ class Guesser {
       this.checkPassedOver(columns);
       this.form.guessed ||= columns > 3;
     }
+  }
+
+  /** A separator at its end is one more, where the header has a name for it. */
+  private columnsOfFirstRow(): number {
+    const { separator } = this.form;
+    const columns = cellsOf(this.rows[0], separator).length;
+    const open = separator !== ' ' && this.rows[0].endsWith(separator);
+    return open && this.header !== undefined && cellsOf(this.header, separator).length === columns + 1 ? columns + 1 : columns;
   }
 
   private takeNamed(roles: Role[], columns: number): void {
