@@ -203,22 +203,23 @@ Result<TriangleMesh> parse_mesh(ByteSource& source, std::string_view name, std::
   std::vector<std::string> unheard;
   std::vector<std::string>& heard = warnings == nullptr ? unheard : *warnings;
   if (is_3mf(source, name)) return io::read_3mf_mesh(source.rest(), name, heard);
-  return within<TriangleMesh>(
-      source, name, std::move(beside), 0,
-      [&](Kind kind, std::optional<io::StlKind> stl, ByteSource& inner, std::string_view called,
-          const io::Beside& files) -> Result<TriangleMesh> {
-        if (kind == Kind::ply) return io::read_ply_mesh(inner, called, heard);
-        if (kind == Kind::draco) return io::read_draco_mesh(inner.rest(), called, {}, heard);
-        if (kind == Kind::gltf) return io::read_gltf_mesh(inner.rest(), called, heard, files);
-        if (kind == Kind::stl) return io::read_stl_mesh(inner, called, *stl, heard);
-        if (kind == Kind::obj) return io::read_obj_mesh(inner, called, heard);
-        if (kind == Kind::unknown || (kind == Kind::text && !io::looks_like_table(inner))) {
-          return unknown_format(inner, called);
-        }
-        return Error{ErrorCode::unsupported_feature,
-                     std::string(called) + " is " + std::string(format_name(kind)) +
-                         ", which holds points and no triangles; a PLY, GLB, glTF, Draco file, OBJ, STL or 3MF does"};
-      });
+  return within<TriangleMesh>(source, name, std::move(beside), 0,
+                              [&](Kind kind, std::optional<io::StlKind> stl, ByteSource& inner, std::string_view called,
+                                  const io::Beside& files) -> Result<TriangleMesh> {
+                                if (kind == Kind::ply) return io::read_ply_mesh(inner, called, heard);
+                                if (kind == Kind::draco) return io::read_draco_mesh(inner.rest(), called, {}, heard);
+                                if (kind == Kind::gltf) return io::read_gltf_mesh(inner.rest(), called, heard, files);
+                                if (kind == Kind::stl) return io::read_stl_mesh(inner, called, *stl, heard);
+                                if (kind == Kind::obj) return io::read_obj_mesh(inner, called, heard);
+                                if (kind == Kind::unknown || (kind == Kind::text && !io::looks_like_table(inner))) {
+                                  return unknown_format(inner, called);
+                                }
+                                return Error{ErrorCode::unsupported_feature,
+                                             std::string(called) + " is " + std::string(format_name(kind)) +
+                                                 ", which holds points and no triangles: reconstruct it with "
+                                                 "input=cloud, or give a mesh in PLY, GLB, glTF, "
+                                                 "Draco, OBJ, STL or 3MF"};
+                              });
 }
 
 /// The files beside one that is read by its path, where they may be read too.

@@ -69,7 +69,10 @@ std::string sphere_rows(const std::string& more = {}) {
 
 /// Rows whose commas may be anything.
 std::string comma_rows() {
-  std::string rows = sphere_rows();
+  std::string rows;
+  for (const Point3& p : testing::sphere_points(500)) {
+    rows += std::to_string(90 * p[0]) + "," + std::to_string(80 * p[1]) + "," + std::to_string(70 * p[2]) + "\n";
+  }
   std::ranges::replace(rows, '.', ',');
   return rows;
 }
