@@ -111,6 +111,7 @@ class Guesser {
       pass_over(line);
       ++preamble;
     }
+    if (preamble > kMostPreamble) at = lines.size();  // prose
     for (; at < lines.size() && rows_.size() < kTableRows; ++at) {
       const std::string_view line = trimmed(lines[at]);
       if (!line.empty() && !is_comment(line) && !is_whole(line)) rows_.push_back(lines[at]);

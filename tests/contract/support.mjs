@@ -14,7 +14,7 @@ export const readJson = (file) => JSON.parse(readFileSync(path.join(source, file
 export function newAjv() {
   const ajv = new Ajv2020({ strict: true, allowUnionTypes: true, allErrors: true, strictTypes: false, strictRequired: false });
   addFormats(ajv);
-  ajv.addVocabulary(['x-unit', 'components']);
+  ajv.addVocabulary(['x-unit', 'x-allowed', 'components']);
   return ajv;
 }
 

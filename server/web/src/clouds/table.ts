@@ -149,6 +149,7 @@ class Guesser {
       this.lastPassed = line;
       preamble += 1;
     }
+    if (preamble > kMostPreamble) at = lines.length; // prose
     for (; at < lines.length && this.rows.length < kTableRows; at += 1) {
       const line = trimmed(lines[at]);
       if (line !== '' && !isComment(line) && !isWhole(line)) this.rows.push(lines[at]);
