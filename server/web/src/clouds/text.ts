@@ -40,7 +40,7 @@ export function readText(bytes: Uint8Array, options: TableOptions = {}): TextPoi
     if (cells.length === 1) return; // a count of points
     const point = columns.map((column) => (column < cells.length ? parseCell(cells[column], form.decimalComma) : undefined));
     if (point.includes(undefined)) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
-    if (point.every(Number.isFinite)) values.push(...(point as number[]));
+    values.push(...(point as number[]));
   });
   if (values.length === 0) throw new UnreadableCloud('the text holds no points');
   return { xyz: Float64Array.from(values), form };
