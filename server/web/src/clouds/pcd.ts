@@ -10,7 +10,7 @@ interface Field {
 }
 
 function fieldsOf(header: Map<string, string[]>): Field[] {
-  const names = header.get('FIELDS') ?? [];
+  const names = (header.get('FIELDS') ?? []).map((name) => name.toLowerCase());
   const numbers = (key: string, otherwise: number) => names.map((_, i) => Number(header.get(key)?.[i] ?? otherwise));
   const size = numbers('SIZE', 4);
   const times = numbers('COUNT', 1);

@@ -38,10 +38,10 @@ function readScalar(view: DataView, at: number, type: string, little: boolean): 
 
 function readHeader(bytes: Uint8Array): Header {
   const text = new TextDecoder('latin1').decode(bytes.subarray(0, 1 << 16));
-  const end = /\nend_header[ \t]*\r?\n/.exec(text);
+  const end = /[\r\n]end_header[ \t]*(?:\r\n|\n|\r)/.exec(text);
   if (!end) throw new UnreadableCloud('the header of the PLY has no end');
   const header: Header = { format: '', elements: [], bodyAt: end.index + end[0].length };
-  for (const line of text.slice(0, end.index).split(/\r?\n/)) {
+  for (const line of text.slice(0, end.index).split(/\r\n|\n|\r/)) {
     const words = line.trim().split(/\s+/);
     if (words[0] === 'format') header.format = words[1];
     if (words[0] === 'element') header.elements.push({ name: words[1], count: Number(words[2]), properties: [] });

@@ -10,6 +10,9 @@ import { isBinaryStl, readStl } from './stl';
 import type { TableOptions } from './table';
 import { decodeText, encodingOf, isObj, readObj, readText } from './text';
 
+/** How texts of other formats begin. */
+const kStrangers = /^\s*(\[|<|[cn]?off\s|# vtk datafile|ncols\s|dsaa\s|; fbx|#usda|#vrml|#x3d|iso-10303-21|\{\\rtf|version https:\/\/git-lfs|0\s*\r?\n\s*section)/i;
+
 const isGzip = (bytes: Uint8Array): boolean => bytes[0] === 0x1f && bytes[1] === 0x8b;
 
 async function gunzipped(bytes: Uint8Array): Promise<Uint8Array> {
@@ -40,7 +43,8 @@ export async function readCloud(given: Uint8Array, table: TableOptions = {}): Pr
   if (isBinaryStl(bytes) || /^\s*solid\b[^]*\bfacet\b/.test(head)) return toCloudData(readStl(bytes), 'STL');
   if (isObj(head)) return toCloudData(readObj(bytes), 'OBJ');
   // eslint-disable-next-line no-control-regex
-  if (/[\x00-\x08\x0e-\x19\x1c-\x1f]/.test(head)) throw new UnreadableCloud('the file is in no format that this page reads');
+  if (/[\x00-\x08\x0e-\x19\x1c-\x1f]/.test(new TextDecoder('latin1').decode(bytes.subarray(0, 16_384)))) throw new UnreadableCloud('the file is in no format that this page reads');
+  if (kStrangers.test(head)) throw new UnreadableCloud('the file is in no format that this page reads');
   const { xyz, form } = readText(bytes, table);
   return { ...toCloudData(xyz, 'text'), table: form };
 }

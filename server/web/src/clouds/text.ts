@@ -26,18 +26,29 @@ export function formOf(text: string, options: TableOptions = {}): TableForm {
   return guessTable(new TextDecoder('utf-8').decode(bytes.subarray(0, kTableSample)), false, options);
 }
 
+/** How many points there are up to the end of a scan whose count stands alone; none where no count may stand. */
+function countedIn(cell: string, points: number, declared: number | undefined): number | undefined {
+  const begins = points === 0 ? !declared : declared !== undefined && points >= declared;
+  return begins && /^\+?\d+$/.test(cell) ? points + Number(cell) : undefined;
+}
+
 export function readText(bytes: Uint8Array, options: TableOptions = {}): TextPoints {
   const text = decodeText(bytes);
   const form = formOf(text, options);
   const columns = (['x', 'y', 'z'] as const).map((role) => form.roles.indexOf(role));
   const values: number[] = [];
+  let declared: number | undefined;
   text.split(/\r\n|\n|\r/).forEach((line, at) => {
     const start = line.trimStart();
     if (at < form.skip || start === '' || start === '\u001a' || isComment(start)) return;
     const cells = valuesOf(line, form.separator);
     // The last value may be missing behind its separator.
     if (form.separator !== ' ' && line.endsWith(form.separator)) cells.push('');
-    if (cells.length === 1) return; // a count of points
+    if (cells.length === 1) {
+      declared = countedIn(cells[0], values.length / 3, declared);
+      if (declared === undefined) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
+      return;
+    }
     const point = columns.map((column) => (column < cells.length ? parseCell(cells[column], form.decimalComma) : undefined));
     if (point.includes(undefined)) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
     values.push(...(point as number[]));
