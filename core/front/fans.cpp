@@ -12,6 +12,14 @@ namespace {
 /// So many are searched one after the other.
 constexpr std::size_t kFewWedges = 24;
 
+bool erase_from(std::vector<std::uint32_t>& list, std::uint32_t vertex) {
+  const auto at = std::ranges::find(list, vertex);
+  if (at == list.end()) return false;
+  *at = list.back();
+  list.pop_back();
+  return true;
+}
+
 std::vector<std::uint32_t> order_by(std::span<const Wedge> wedges, std::uint32_t Wedge::*end) {
   std::vector<std::uint32_t> order(wedges.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -39,6 +47,24 @@ WedgeEnds::WedgeEnds(std::span<const Wedge> wedges) : wedges_(wedges) {
 
 const Wedge* WedgeEnds::from(std::uint32_t first) const { return wedge_at(wedges_, by_first_, &Wedge::first, first); }
 const Wedge* WedgeEnds::to(std::uint32_t second) const { return wedge_at(wedges_, by_second_, &Wedge::second, second); }
+
+OpenEnds::OpenEnds(std::span<const Wedge> wedges) {
+  const WedgeEnds ends(wedges);
+  for (const Wedge& w : wedges) {
+    if (ends.to(w.first) == nullptr) first_.push_back(w.first);
+    if (ends.from(w.second) == nullptr) second_.push_back(w.second);
+  }
+}
+
+void OpenEnds::add(const Wedge& wedge) {
+  if (!erase_from(second_, wedge.first)) first_.push_back(wedge.first);
+  if (!erase_from(first_, wedge.second)) second_.push_back(wedge.second);
+}
+
+void OpenEnds::remove(const Wedge& wedge) {
+  if (!erase_from(first_, wedge.first)) second_.push_back(wedge.first);
+  if (!erase_from(second_, wedge.second)) first_.push_back(wedge.second);
+}
 
 Fans::Fans(const LocalStars& stars, FaceMasks faces)
     : stars_(stars), masks_(std::move(faces)), own_of_(stars.points(), kNoVertex) {
@@ -86,6 +112,13 @@ void Fans::copy_wedges(std::uint32_t v, std::vector<Wedge>& wedges) const {
   visit_settled(v, [&](const Wedge& w) { wedges.push_back(w); });
 }
 
+const OpenEnds* Fans::open_ends(std::uint32_t v) const {
+  if (own_of_[v] == kNoVertex || own_[own_of_[v]].size() <= kFewWedges) return nullptr;
+  // None of a star that was as large from the beginning.
+  const auto ends = ends_of_.find(own_of_[v]);
+  return ends == ends_of_.end() ? nullptr : &ends->second;
+}
+
 std::uint32_t Fans::apex(Edge e) const {
   if (own_of_[e.from] != kNoVertex) {
     for (const Wedge& w : own_[own_of_[e.from]]) {
@@ -104,6 +137,7 @@ Around Fans::around(std::uint32_t v) const {
   if (own_of_[v] == kNoVertex) return masks_[v] == 0 ? Around::nothing : Around::closed;
   const std::vector<Wedge>& list = own_[own_of_[v]];
   if (list.empty()) return Around::nothing;
+  if (const OpenEnds* ends = open_ends(v)) return ends->first().empty() ? Around::closed : Around::open;
   const WedgeEnds ends(list);
   const bool closed = std::ranges::all_of(list, [&](const Wedge& w) { return ends.to(w.first) != nullptr; });
   return closed ? Around::closed : Around::open;
@@ -148,14 +182,26 @@ std::vector<Wedge> Fans::smallest_fan(std::uint32_t v) const {
 }
 
 void Fans::link(const Face& f) {
-  for (std::size_t i = 0; i < 3; ++i) own(f[i]).push_back({f[(i + 1) % 3], f[(i + 2) % 3]});
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Wedge wedge{f[(i + 1) % 3], f[(i + 2) % 3]};
+    std::vector<Wedge>& list = own(f[i]);
+    const auto ends = ends_of_.find(own_of_[f[i]]);
+    list.push_back(wedge);
+    if (ends != ends_of_.end()) {
+      ends->second.add(wedge);
+    } else if (list.size() > kFewWedges) {
+      ends_of_.emplace(own_of_[f[i]], OpenEnds(list));
+    }
+  }
   ++face_count_;
 }
 
 void Fans::unlink(const Face& f) {
   for (std::size_t i = 0; i < 3; ++i) {
+    const Wedge wedge{f[(i + 1) % 3], f[(i + 2) % 3]};
     std::vector<Wedge>& list = own(f[i]);
-    list.erase(std::ranges::find(list, Wedge{f[(i + 1) % 3], f[(i + 2) % 3]}));
+    if (const auto ends = ends_of_.find(own_of_[f[i]]); ends != ends_of_.end()) ends->second.remove(wedge);
+    list.erase(std::ranges::find(list, wedge));
   }
   --face_count_;
 }

@@ -47,6 +47,24 @@ class WedgeEnds {
   std::vector<std::uint32_t> by_second_;
 };
 
+/// Where the fans of a vertex begin and end: vertices that only one of its wedges has. Kept from change to change,
+/// since a search for them takes the time of a sort.
+class OpenEnds {
+ public:
+  explicit OpenEnds(std::span<const Wedge> wedges);
+
+  void add(const Wedge& wedge);
+  void remove(const Wedge& wedge);
+
+  /// First vertices of wedges with none before them, in no order; second ones of wedges with none behind.
+  std::span<const std::uint32_t> first() const { return first_; }
+  std::span<const std::uint32_t> second() const { return second_; }
+
+ private:
+  std::vector<std::uint32_t> first_;
+  std::vector<std::uint32_t> second_;
+};
+
 /// What the faces at a vertex look like.
 enum class Around : std::uint8_t { nothing, open, closed };
 
@@ -66,6 +84,9 @@ class Fans {
 
   /// The same for several threads at a time.
   void copy_wedges(std::uint32_t v, std::vector<Wedge>& wedges) const;
+
+  /// The open ends of a vertex with many wedges; null where a look at each is as good.
+  const OpenEnds* open_ends(std::uint32_t v) const;
 
   /// Third vertex of the face that contains the edge in this direction, or kNoVertex.
   std::uint32_t apex(Edge e) const;
@@ -104,6 +125,8 @@ class Fans {
   FaceMasks masks_;
   std::vector<std::uint32_t> own_of_;  // per vertex its list in own_, or kNoVertex
   std::vector<std::vector<Wedge>> own_;
+  /// Of vertices that have or had many wedges, by their list in own_.
+  std::unordered_map<std::uint32_t, OpenEnds> ends_of_;
   std::vector<std::uint32_t> owners_;
   std::size_t face_count_ = 0;
   struct Change {

@@ -38,7 +38,12 @@ class Compass {
 };
 
 /// Whether the new wedge would make an umbrella besides other fans, or one of fewer than three faces.
-bool closes_wrongly(std::span<const Wedge> wedges, const Wedge& fresh) {
+bool closes_wrongly(std::span<const Wedge> wedges, const OpenEnds* open, const Wedge& fresh) {
+  // It closes something if a fan begins where it ends and one ends where it begins.
+  if (open != nullptr && (std::ranges::find(open->first(), fresh.second) == open->first().end() ||
+                          std::ranges::find(open->second(), fresh.first) == open->second().end())) {
+    return false;
+  }
   const WedgeEnds ends(wedges);
   std::uint32_t end = fresh.second;
   std::size_t faces = 1;
@@ -68,7 +73,7 @@ bool overlaps(const Places& places, std::uint32_t v, std::span<const Wedge> wedg
 bool corner_is_legal(const Fans& fans, const Places& places, std::uint32_t v, const Wedge& fresh) {
   const auto wedges = fans.wedges(v);
   if (wedges.empty()) return true;
-  return !closes_wrongly(wedges, fresh) && !overlaps(places, v, wedges, fresh);
+  return !closes_wrongly(wedges, fans.open_ends(v), fresh) && !overlaps(places, v, wedges, fresh);
 }
 
 }  // namespace
@@ -92,6 +97,11 @@ bool legal(const Fans& fans, const Places& places, const Face& face, double leas
 }
 
 void open_edges(const Fans& fans, std::uint32_t v, std::vector<Edge>& edges) {
+  if (const OpenEnds* open = fans.open_ends(v)) {
+    for (const std::uint32_t end : open->first()) edges.push_back({end, v});
+    for (const std::uint32_t end : open->second()) edges.push_back({v, end});
+    return;
+  }
   const auto wedges = fans.wedges(v);
   const WedgeEnds ends(wedges);
   for (const Wedge& w : wedges) {
@@ -101,17 +111,17 @@ void open_edges(const Fans& fans, std::uint32_t v, std::vector<Edge>& edges) {
 }
 
 Edge next_open(const Fans& fans, const Places& places, Edge e) {
-  const auto wedges = fans.wedges(e.to);
-  const WedgeEnds ends(wedges);
   const Compass compass(places, e.to, e.from);
+  std::vector<Edge> open;
+  open_edges(fans, e.to, open);
   double best = -1;
   Edge next = e;
-  for (const Wedge& w : wedges) {
-    if (ends.from(w.second) != nullptr) continue;
-    const double turn = compass(w.second);
+  for (const Edge& o : open) {
+    if (o.from != e.to) continue;
+    const double turn = compass(o.to);
     if (turn <= best) continue;
     best = turn;
-    next = {e.to, w.second};
+    next = o;
   }
   return next;
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <numbers>
 #include <random>
@@ -158,6 +159,48 @@ TEST(Fans, know_their_open_edges) {
     EXPECT_EQ(edges.size(), 2U);
     EXPECT_EQ(fans.around(face[0]), Around::open);
     EXPECT_EQ(fans.fans(face[0]), 1U);
+  }
+}
+
+/// As a look at every pair of wedges finds them.
+std::set<std::pair<std::uint32_t, std::uint32_t>> open_edges_one_by_one(const Fans& fans, std::uint32_t v) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> open;
+  const auto wedges = fans.wedges(v);
+  for (const Wedge& w : wedges) {
+    if (std::ranges::find(wedges, w.first, &Wedge::second) == wedges.end()) open.emplace(w.first, v);
+    if (std::ranges::find(wedges, w.second, &Wedge::first) == wedges.end()) open.emplace(v, w.second);
+  }
+  return open;
+}
+
+TEST(Fans, know_the_open_edges_of_a_vertex_of_many_faces_after_any_changes) {
+  constexpr std::uint32_t kRing = 60;
+  const Fixture f(testing::sphere_points(kRing + 1));
+  FaceMasks none = f.faces;
+  std::ranges::fill(none, 0U);
+  Fans fans(f.stars, std::move(none));
+  std::array<bool, kRing> there{};
+  std::mt19937 random(6);
+  for (int i = 0; i < 3000; ++i) {
+    // Now nearly all faces are there, now few.
+    const auto k = static_cast<std::uint32_t>(random() % kRing);
+    if (there[k] == (random() % 16 < (i / 500 % 2 == 0 ? 15U : 4U))) continue;
+    const Face face{kRing, k, (k + 1) % kRing};
+    const std::size_t mark = fans.mark();
+    there[k] ? fans.remove(face) : fans.add(face);
+    if (i % 7 == 0) {
+      fans.undo(mark);
+    } else {
+      there[k] = !there[k];
+    }
+    std::vector<Edge> edges;
+    open_edges(fans, kRing, edges);
+    std::set<std::pair<std::uint32_t, std::uint32_t>> open;
+    for (const Edge& e : edges) open.emplace(e.from, e.to);
+    EXPECT_EQ(open.size(), edges.size());
+    ASSERT_EQ(open, open_edges_one_by_one(fans, kRing)) << i;
+    const Around around = fans.wedges(kRing).empty() ? Around::nothing : open.empty() ? Around::closed : Around::open;
+    ASSERT_EQ(fans.around(kRing), around) << i;
   }
 }
 
