@@ -50,6 +50,7 @@ Method advancing_front_method() {
                                         {"x-unit", "rad"}}},
                                       {"fill_holes", fill_holes_property("none")}})},
           .interpolates = true,
+          .of_a_point = {.seconds = 30e-6, .bytes = 2 << 10},
           .engine = run_advancing_front};
 }
 

@@ -59,6 +59,7 @@ Method alpha_wrap_method() {
                                "Detail smaller than alpha is lost."},
                .parameters = schema_of(alpha_wrap_properties())},
       .interpolates = false,
+      .of_a_point = {.seconds = 400e-6, .bytes = 3 << 10},
       .engine = run_alpha_wrap};
 }
 

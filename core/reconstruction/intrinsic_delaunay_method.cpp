@@ -87,6 +87,7 @@ Method intrinsic_delaunay_method() {
                .makes_cloud = true},
       .interpolates = true,
       .certified = true,
+      .of_a_point = {.seconds = 30e-6, .bytes = 1 << 10},
       .engine = run_intrinsic_delaunay};
 }
 

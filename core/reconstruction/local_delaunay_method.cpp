@@ -85,6 +85,7 @@ Method local_delaunay_method() {
                                    "Points may stay unused; the report counts them."},
                    .parameters = schema_of(local_delaunay_properties())},
           .interpolates = true,
+          .of_a_point = {.seconds = 10e-6, .bytes = 1 << 10},
           .engine = run_local_delaunay};
 }
 

@@ -162,6 +162,7 @@ Method minimum_boundary_method() {
                                "All points in one plane are refused: no closed surface exists."},
                .parameters = schema_of(parameter_properties())},
       .interpolates = true,
+      .of_a_point = {.seconds = 80e-6, .bytes = 4 << 10},
       .engine = run_minimum_boundary};
 }
 

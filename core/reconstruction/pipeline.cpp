@@ -240,9 +240,14 @@ struct Input {
   Made made;
 };
 
+Status tell_points(const FileRequest& request, std::size_t points) {
+  return request.on_read ? request.on_read(points) : Status(Done{});
+}
+
 Result<Input> mesh_input(const FileRequest& request, const ReadOptions& options, Context& context) {
   Result<LoadedMesh> loaded = load_mesh(request.cloud, options, request.cloud_name, context);
   if (!loaded) return std::move(loaded).error();
+  if (Status taken = tell_points(request, loaded->cloud.size()); !taken) return std::move(taken).error();
   context.section(kFinishedUntil);
   Input input{.cloud = std::move(loaded->cloud), .made = {}};
   input.made.result.mesh = std::move(loaded->mesh);
@@ -267,6 +272,7 @@ Result<Input> input_of(const FileRequest& request, Context& context) {
   const Missing missing = request.parameters.at("missing") == "refuse" ? Missing::refuse : Missing::drop;
   Result<PointCloud> cloud = load_cloud(request.cloud, options, missing, request.cloud_name, context);
   if (!cloud) return std::move(cloud).error();
+  if (Status taken = tell_points(request, cloud->size()); !taken) return std::move(taken).error();
   const std::vector<std::string> doubts = doubts_of(*cloud, request.parameters, context);
   cloud->warnings.insert(cloud->warnings.end(), doubts.begin(), doubts.end());
   Result<Made> made = make(*cloud, *request.method, request.parameters, method_until(request.parameters), context);

@@ -3,7 +3,9 @@
 // of them to a mesh and its report. Everything outside core/ comes in through here (and io, base).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -63,6 +65,17 @@ Result<Json> check_parameters(const MethodInfo& method, const Json& given);
 /// schema's type first. A name given twice is invalid_parameter.
 Result<Json> parameters_from_text(const MethodInfo& method, std::span<const std::pair<std::string, std::string>> given);
 
+/// Processor time and memory.
+struct Cost {
+  double seconds = 0;
+  std::uint64_t bytes = 0;
+};
+
+/// The bound that holds for every cloud of so many points and all parameters, for the method and the stages around it:
+/// a thousand times the time that such clouds usually take, and a hundred times their memory. What needs more does
+/// not end sensibly.
+Cost most_cost(const MethodInfo& method, std::size_t points);
+
 /// What a method made of a cloud.
 struct Reconstruction {
   TriangleMesh mesh;
@@ -106,6 +119,8 @@ struct FileRequest {
   std::filesystem::path points = {};
   /// Whether a glTF may name files beside it.
   bool files_beside = false;
+  /// Told how many distinct points the cloud has, before the method runs; its error ends the run. May be empty.
+  std::function<Status(std::size_t points)> on_read = {};
 };
 
 /// Reads the cloud, runs the method, encodes the mesh, measures what a reader of the encoded mesh

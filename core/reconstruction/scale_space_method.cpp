@@ -53,6 +53,7 @@ Method scale_space_method() {
                                "Points may stay unused; the report counts them."},
                .parameters = schema_of(scale_space_properties())},
       .interpolates = true,
+      .of_a_point = {.seconds = 100e-6, .bytes = 2 << 10},
       .engine = run_scale_space};
 }
 

@@ -2,10 +2,12 @@
 #include "worker/attempt_main.hpp"
 
 #include <iostream>
+#include <new>
 
 #include "io/io.hpp"
 #include "platform/files.hpp"
 #include "reconstruction/reconstruction.hpp"
+#include "worker/attempt_budget.hpp"
 #include "worker/attempt_protocol.hpp"
 #include "worker/confined_work.hpp"
 #include "worker/convert.hpp"
@@ -27,7 +29,7 @@ void log_report(const Json& report) {
   }
 }
 
-Status reconstruct(const AttemptSpec& spec) {
+Status reconstruct_within(AttemptBudget& budget, const AttemptSpec& spec) {
   const auto method = find_method(spec.method);
   if (!method) return method.error();
   auto parameters = check_parameters(**method, spec.parameters);
@@ -38,7 +40,12 @@ Status reconstruct(const AttemptSpec& spec) {
                             std::move(*parameters),
                             ReadLimits{spec.limits.max_points},
                             "the cloud",
-                            spec.points.empty() ? std::filesystem::path() : spec.directory / spec.points};
+                            spec.points.empty() ? std::filesystem::path() : spec.directory / spec.points,
+                            false,
+                            [&](std::size_t points) {
+                              return budget.begin(std::to_string(points) + " points with " + spec.method,
+                                                  most_cost(**method, points));
+                            }};
   Context context(spec.limits.threads, [](double fraction, std::string_view stage) {
     tell_server(encode(ProgressMessage{fraction, std::string(stage)}));
   });
@@ -51,6 +58,15 @@ Status reconstruct(const AttemptSpec& spec) {
     if (!converted) return converted;
   }
   return write_file(spec.directory / "report.json", as_bytes(report->dump(2) + "\n"));
+}
+
+Status reconstruct(const AttemptSpec& spec) {
+  AttemptBudget budget(spec.limits);
+  try {
+    return reconstruct_within(budget, spec);
+  } catch (const std::bad_alloc&) {
+    return budget.out_of_memory();
+  }
 }
 
 }  // namespace

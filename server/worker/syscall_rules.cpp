@@ -7,6 +7,7 @@
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -111,8 +112,10 @@ void add_time_and_numbers(Rules& rules) {
        {"clock_gettime", "clock_gettime64", "clock_getres", "clock_nanosleep", "clock_nanosleep_time64"}) {
     rules.push_back({name, {at_most(0, kLastClock)}});
   }
-  // To ask for its own limits, not to set them.
+  // To ask for its own limits, and to lower that of its memory once it knows its cloud: without capabilities nothing
+  // raises a hard limit.
   rules.push_back({"prlimit64", {equals(0, 0), equals(2, 0)}});
+  rules.push_back({"prlimit64", {equals(0, 0), equals(1, RLIMIT_DATA)}});
   add_any_arguments(rules, {"getrlimit", "ugetrlimit"});
 }
 

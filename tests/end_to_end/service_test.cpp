@@ -102,7 +102,9 @@ TEST_F(ServiceTest, a_job_can_be_followed_fetched_in_parts_and_removed) {
   EXPECT_EQ(call("HEAD", mesh).headers.at("content-length"), std::to_string(whole.body.size()));
   EXPECT_EQ(call("GET", "/v1/jobs/" + id + "/outputs/secrets").status, 404);
   EXPECT_THAT(call("GET", "/v1/jobs/" + id + "/outputs/log.txt").body,
-              ::testing::AllOf(HasSubstr("job " + id), HasSubstr("stage read "), HasSubstr("outcome done")));
+              ::testing::AllOf(HasSubstr("job " + id), HasSubstr("s of processor time and"),
+                               HasSubstr("for 500 points with advancing-front"), HasSubstr("stage read "),
+                               HasSubstr("outcome done")));
   EXPECT_EQ(call("DELETE", "/v1/jobs/" + id).status, 200);
   EXPECT_EQ(code_of(call("GET", "/v1/jobs/" + id)), "job_gone");
   EXPECT_EQ(call("GET", mesh).status, 410);

@@ -30,10 +30,6 @@ GeometryCase geometry_case(std::span<const std::uint8_t> bytes, std::size_t most
 /// The same of a number; cases of consecutive numbers have nothing in common.
 GeometryCase geometry_case(std::uint64_t number, std::size_t most_points);
 
-/// Seconds of processor time that no cloud of so many points may take, whatever the method and its parameters: a
-/// thousand times what the slowest methods usually take.
-constexpr double most_seconds(std::size_t points) { return 10 + 0.3 * static_cast<double>(points); }
-
 /// Writes the cloud into the folder, and takes it the whole way to a mesh and its report, which are checked.
 /// Where a claim does not hold, it is printed and the process aborts.
 /// @return  the name of the error, or "done".

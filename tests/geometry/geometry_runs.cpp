@@ -61,7 +61,7 @@ void count(Shared& shared, std::string_view outcome) {
   ::setrlimit(RLIMIT_DATA, &memory);
   for (; shared.number < end; ++shared.number) {
     const GeometryCase geometry = geometry_case(shared.number, points);
-    const double bound = most_seconds(geometry.cloud.size());
+    const double bound = most_cost(*geometry.method, geometry.cloud.size()).seconds;
     const double before = seconds_so_far();
     arm(bound);
     count(shared, run_case(geometry, folder));

@@ -39,7 +39,8 @@ class GeometryTest : public ::testing::Test {
     const double before = seconds_so_far();
     std::string name = run_case(geometry, folder_.path());
     if (!testing::measuring_is_moot()) {
-      EXPECT_LT(seconds_so_far() - before, testing::most_seconds(geometry.cloud.size())) << geometry.text();
+      EXPECT_LT(seconds_so_far() - before, most_cost(*geometry.method, geometry.cloud.size()).seconds)
+          << geometry.text();
     }
     return name;
   }
@@ -141,12 +142,34 @@ TEST_F(GeometryTest, a_line_of_points_and_one_beside_it_take_no_longer_than_othe
   }
 }
 
+TEST_F(GeometryTest, a_vertex_of_six_thousand_triangles_costs_the_front_no_more_than_a_search_at_each) {
+  if (testing::measuring_is_moot()) GTEST_SKIP() << "times mean nothing here";
+  constexpr std::size_t kPoints = 6000;
+  Numbers numbers(6);
+  Points line;
+  for (std::size_t i = 0; i < kPoints; ++i) line.push_back({static_cast<double>(i), 0, 0});
+  line.push_back({kPoints / 2.0, kPoints / 3.0, 1});
+  const auto seconds_of = [&](const Points& points) {
+    const double before = seconds_so_far();
+    EXPECT_EQ(outcome(points, "local-delaunay", Json::object()), "done");
+    return seconds_so_far() - before;
+  };
+  const double usual = seconds_of(testing::shapes::spiral(kPoints, numbers));
+  EXPECT_LT(seconds_of(line), 50 * usual);
+}
+
 TEST_F(GeometryTest, a_lattice_a_billionth_as_large_as_the_cloud_ends_poisson_soon) {
   Numbers numbers(5);
   Points points = testing::shapes::lattice(40, numbers);
   for (Point3& p : points) p = 1e-9 * p + Point3{1, 0, 0};
   points = joined(std::move(points), {{0, -1, 0}, {1e-301, -1, 1e-303}, {0, 1, 0}, {-1, 0, 1e-16}, {0, 0, 1}});
   outcome(points, "poisson", {{"normals", "plane"}, {"sample_share", 0.0010999}});
+}
+
+TEST_F(GeometryTest, numbered_cases_end_within_their_bound_and_with_an_error_that_helps) {
+  constexpr std::uint64_t kCases = 200;
+  constexpr std::size_t kMostPoints = 120;
+  for (std::uint64_t number = 0; number < kCases; ++number) run(testing::geometry_case(number, kMostPoints));
 }
 
 }  // namespace

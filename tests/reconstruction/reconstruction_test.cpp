@@ -359,6 +359,38 @@ TEST_F(Files, quantised_draco_reports_its_error_within_the_step_of_its_grid) {
   EXPECT_LT(error, 2.0 / 1023 * std::sqrt(3.0));
 }
 
+TEST_F(Files, whoever_is_told_how_many_points_there_are_may_end_the_run_before_the_method_begins) {
+  auto points = testing::sphere_points(100);
+  points.push_back(points.front());
+  const auto cloud = write_cloud("told.ply", points);
+  std::size_t told = 0;
+  const auto refuse = [&](std::size_t distinct) -> Status {
+    told = distinct;
+    return Error{ErrorCode::storage_full, "no room"};
+  };
+  Context context;
+  const auto report = reconstruct_file(
+      {cloud, folder_ / "told.glb", &front(), *check_parameters(front(), Json::object()), {}, {}, {}, false, refuse},
+      context);
+  EXPECT_EQ(told, 100U);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().detail, "no room");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "told.glb"));
+}
+
+TEST(MostCost, grows_with_the_points_of_a_cloud_by_a_thousand_times_what_each_usually_takes) {
+  for (const MethodInfo& method : methods()) {
+    const Cost few = most_cost(method, 1);
+    const Cost many = most_cost(method, 1'000'001);
+    EXPECT_GE(few.seconds, 10) << method.id;
+    EXPECT_LE(few.seconds, 11) << method.id;
+    const double usual = (many.seconds - few.seconds) / 1e9;
+    EXPECT_GE(usual, 5e-6) << method.id << ": no method takes as little for a point";
+    EXPECT_LE(usual, 1e-3) << method.id << ": or as much";
+    EXPECT_GE(many.bytes - few.bytes, std::uint64_t{100'000'000'000}) << method.id;
+  }
+}
+
 TEST_F(Files, refused_cloud_leaves_no_mesh_behind) {
   const auto report = reconstruct(write_cloud("two.ply", {{0, 0, 0}, {1, 1, 1}}), "two.glb");
   ASSERT_FALSE(report);

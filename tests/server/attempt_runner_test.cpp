@@ -182,6 +182,20 @@ TEST_F(AttemptRunnerTest, a_child_that_spins_is_stopped_at_its_limit_of_time) {
   EXPECT_EQ(run("spin").outcome, Outcome::timed_out);
 }
 
+TEST_F(AttemptRunnerTest, a_child_that_takes_longer_than_clouds_of_its_size_do_ends_long_before_the_operators_limit) {
+  const AttemptResult result = run("exceed time");
+  EXPECT_EQ(result.outcome, Outcome::timed_out) << log_text();
+  EXPECT_THAT(result.error->detail, HasSubstr("3 points with method"));
+  EXPECT_LT(elapsed_, static_cast<double>(limits_.time.count()));
+}
+
+TEST_F(AttemptRunnerTest, a_child_that_takes_more_memory_than_clouds_of_its_size_do_meets_that_limit) {
+  if (testing::measuring_is_moot()) GTEST_SKIP() << "the limit of memory is off under a sanitizer";
+  const AttemptResult result = run("exceed memory");
+  EXPECT_EQ(result.outcome, Outcome::out_of_memory) << log_text();
+  EXPECT_LT(result.usage.peak_memory_bytes, limits_.memory_bytes / 2);
+}
+
 TEST_F(AttemptRunnerTest, cancelling_ends_a_child_at_once) {
   constexpr double kGrace = 0.5;  // what a child gets that does not listen
   EXPECT_LT(seconds_to_cancel("hang", kGrace), kGrace);

@@ -20,6 +20,7 @@
 
 #include "hostile_calls.hpp"
 #include "platform/files.hpp"
+#include "worker/attempt_budget.hpp"
 #include "worker/attempt_protocol.hpp"
 #include "worker/confinement.hpp"
 #include "worker/guard_main.hpp"
@@ -186,6 +187,18 @@ int work_in_threads(const AttemptSpec& spec) {
   return succeed(spec);
 }
 
+/// Works on when what a small cloud may take is used up.
+int exceed(const std::string& what, const AttemptSpec& spec) {
+  AttemptBudget budget(spec.limits);
+  constexpr std::uint64_t kBytes = std::uint64_t{96} << 20;
+  const Cost cost = what == "time" ? Cost{0.2, spec.limits.memory_bytes} : Cost{1e6, kBytes};
+  if (!budget.begin("3 points with method", cost)) return 7;
+  if (what == "memory") return allocate();
+  for (volatile bool go = true; go;) {
+  }
+  return 7;
+}
+
 int behave(const std::string& how, const AttemptSpec& spec) {
   if (how == "done") return succeed(spec);
   if (how == "crash" || (how == "crash once" && spec.claim.attempt == 1)) std::raise(SIGSEGV);
@@ -194,6 +207,7 @@ int behave(const std::string& how, const AttemptSpec& spec) {
   if (how == "nothing") return 0;
   if (how == "refuse") return refuse(ErrorCode::collinear);
   if (how == "allocate") return allocate();
+  if (how.starts_with("exceed ")) return exceed(how.substr(7), spec);
   if (how == "share") return share_without_end();
   if (how == "write") return write_without_end(spec);
   if (how == "threads") return work_in_threads(spec);
