@@ -51,12 +51,14 @@ inline double full_scale(int component_type) {
   }
 }
 
-inline double component_at(const Elements& elements, std::size_t i, std::size_t c) {
-  const double stored = stored_at(elements, i, c);
-  return elements.normalized ? std::max(stored / full_scale(elements.component_type), -1.0) : stored;
-}
-
 /// Types of KHR_mesh_quantization beside float.
 inline bool is_quantised(int component_type) { return component_type >= kByte && component_type <= kUnsignedShort; }
+
+inline double component_at(const Elements& elements, std::size_t i, std::size_t c) {
+  const double stored = stored_at(elements, i, c);
+  // `normalized` says nothing of floats.
+  const bool scaled = elements.normalized && is_quantised(elements.component_type);
+  return scaled ? std::max(stored / full_scale(elements.component_type), -1.0) : stored;
+}
 
 }  // namespace surfaced::io

@@ -111,7 +111,8 @@ class LasReader {
   /// not finished counts too few.
   Status check_size(LasHeader& header) {
     const std::uint64_t size = source_.remaining();
-    const std::uint64_t end = header.end == 0 ? size : std::min(size, header.end);
+    // What lies before the points does not end them: a field that nobody filled.
+    const std::uint64_t end = header.end < header.offset ? size : std::min(size, header.end);
     const std::uint64_t room = end < header.offset ? 0 : (end - header.offset) / header.stride;
     const std::string declared =
         "the LAS declares " + std::to_string(header.count) + " points, " + std::to_string(room) + " are there";

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <variant>
 
 #include "base/vectors.hpp"
 #include "quality/quality.hpp"
@@ -33,6 +34,16 @@ Point3 place_in(const TriangleMesh& mesh, const Triangle& t, std::size_t i) {
   return a + (u * (mesh.positions[t[1]] - a) + v * (mesh.positions[t[2]] - a));
 }
 
+/// What a ray hits, if it is of this kind: CGAL 5 says it by Boost's variant, CGAL 6 by std's.
+template <class Kind, class Variant>
+const Kind* hit_as(const Variant& hit) {
+  if constexpr (requires { hit.which(); }) {
+    return boost::get<Kind>(&hit);
+  } else {
+    return std::get_if<Kind>(&hit);
+  }
+}
+
 /// How far it is through the body to the next wall; none if the ray meets nothing.
 std::optional<double> depth_at(const Tree& tree, const Triangles& triangles, std::size_t triangle, const Point3& place,
                                const Point3& inwards) {
@@ -40,11 +51,11 @@ std::optional<double> depth_at(const Tree& tree, const Triangles& triangles, std
   const Kernel::Ray_3 ray(point(place), Kernel::Vector_3(inwards[0], inwards[1], inwards[2]));
   const auto hit = tree.first_intersection(ray, [&](Triangles::const_iterator t) { return t == own; });
   if (!hit) return std::nullopt;
-  if (const Kernel::Point_3* at = boost::get<Kernel::Point_3>(&hit->first)) {
+  if (const auto* at = hit_as<Kernel::Point_3>(hit->first)) {
     return std::sqrt(CGAL::squared_distance(*at, ray.source()));
   }
-  const Kernel::Segment_3& along = boost::get<Kernel::Segment_3>(hit->first);
-  return std::sqrt(CGAL::squared_distance(along, ray.source()));
+  const auto* along = hit_as<Kernel::Segment_3>(hit->first);
+  return std::sqrt(CGAL::squared_distance(*along, ray.source()));
 }
 
 }  // namespace

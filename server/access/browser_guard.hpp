@@ -10,12 +10,11 @@
 
 namespace surfaced {
 
-/// Keeps pages of other sites away from a server that asks nobody for a key because only this machine can reach it: the
-/// browser on this machine can, too, and shows pages of strangers.
+/// Keeps pages of other sites away from a server that asks nobody for a key because only friends can reach it: their
+/// browsers can, too, and show pages of strangers.
 ///
 /// - A name that a stranger's DNS may resolve to this machine (rebinding) is no name of this server: taken are
-/// localhost,
-///   addresses, names without a dot (which nobody outside of this network can own), and those that are listed.
+///   localhost, addresses, names without a dot (which nobody outside of this network can own), and those listed.
 /// - A page of another site sends `Origin` with whatever changes something, and `Sec-Fetch-Site` with all else.
 class BrowserGuard {
  public:

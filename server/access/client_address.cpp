@@ -37,7 +37,9 @@ std::string client_address(const std::string& connection, const http::Headers& h
   for (const auto& [name, value] : headers) {
     if (http::same_name(name, "X-Forwarded-For")) lines.emplace_back(value);
   }
-  std::string client = connection;
+  // Nobody who comes by way of another machine is on this one, whatever the header says.
+  const auto believed = [](std::string client) { return is_loopback(client) ? std::string("unknown") : client; };
+  std::string client;
   for (std::string_view line : lines | std::views::reverse) {
     while (!line.empty()) {
       const std::string_view entry = take_last(line);
@@ -45,10 +47,10 @@ std::string client_address(const std::string& connection, const http::Headers& h
       if (entry.empty()) continue;
       client = without_port(entry);
       if (!is_ip_address(client)) return "unknown";
-      if (!is_trusted(client)) return client;
+      if (!is_trusted(client)) return believed(client);
     }
   }
-  return client;
+  return client.empty() ? connection : believed(client);
 }
 
 }  // namespace surfaced

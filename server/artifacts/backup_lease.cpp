@@ -8,6 +8,7 @@
 #include <chrono>
 #include <thread>
 
+#include "observability/log.hpp"
 #include "platform/files.hpp"
 
 namespace surfaced {
@@ -40,10 +41,14 @@ Result<BackupLease> BackupLease::take(const std::filesystem::path& data) {
 }
 
 Result<BackupLease> BackupLease::to_remove(const std::filesystem::path& data) {
+  const auto refused = [](Error error) {
+    log(LogLevel::error, "nothing can be removed: " + error.detail);
+    return error;
+  };
   auto fd = open_lock(data);
-  if (!fd) return std::move(fd).error();
+  if (!fd) return refused(fd.error());
   if (::flock(fd->get(), LOCK_SH | LOCK_NB) == 0) return BackupLease(std::move(*fd));
-  if (errno != EWOULDBLOCK) return system_error("lock backup.lock", errno);
+  if (errno != EWOULDBLOCK) return refused(system_error("lock backup.lock", errno));
   return Error{ErrorCode::not_ready, "a backup is being made"};
 }
 

@@ -169,9 +169,10 @@ Result<Recorded> copy_all(const fs::path& data, const fs::path& target) {
     if (Status made = make_directory(each); !made.ok()) return made.error();
   }
   // First, so that a server that is started on an unfinished copy finds files that are not its own, and stops.
-  if (Status copied = copy_file(data / kIdentity, target / kIdentity, fs::file_size(data / kIdentity)); !copied.ok()) {
-    return copied.error();
-  }
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(data / kIdentity, error);
+  if (error) return system_error("look at " + (data / kIdentity).string(), error.value());
+  if (Status copied = copy_file(data / kIdentity, target / kIdentity, bytes); !copied.ok()) return copied.error();
   const fs::path records = target / kUnfinishedRecords;
   if (Status copied = copy_records(data / kRecords, records); !copied.ok()) return copied.error();
   auto recorded = read_records(records);
@@ -230,16 +231,19 @@ Status sync_file(const fs::path& file) {
 }  // namespace
 
 Result<BackupContents> back_up(const fs::path& data, const fs::path& target) {
-  if (fs::exists(target) && !fs::is_empty(target)) {
-    return with_fault({ErrorCode::invalid_usage, "'" + target.string() + "' is not empty"},
+  std::error_code error;
+  const bool taken = fs::exists(target, error) && !fs::is_empty(target, error);
+  if (taken || error) {
+    return with_fault({ErrorCode::invalid_usage,
+                       "'" + target.string() + "' " + (error ? "cannot be used: " + error.message() : "is not empty")},
                       {"TARGET", target.string(), "a folder that is empty or not there yet"});
   }
   const char* const kService = "a folder on which a service was started";
-  if (!fs::exists(data / kRecords)) {
+  if (!fs::exists(data / kRecords, error)) {
     return with_fault({ErrorCode::invalid_usage, "there is no job store at '" + (data / kRecords).string() + "'"},
                       {"--data", data.string(), kService});
   }
-  if (!fs::exists(data / kIdentity)) {
+  if (!fs::exists(data / kIdentity, error)) {
     return with_fault({ErrorCode::invalid_usage, "no service was ever started on '" + data.string() + "'"},
                       {"--data", data.string(), kService});
   }

@@ -92,9 +92,8 @@ const auto kTable = std::to_array<Setting>({
     {"trusted-proxies", SettingUnit::text, "", 0, 0,
      "Addresses and networks (10.0.0.0/8) whose X-Forwarded-For is believed, separated by commas", &S::trusted_proxies},
     {"allowed-hosts", SettingUnit::text, "", 0, 0,
-     "On loopback without keys: names besides localhost under which browsers may call, separated by commas; *: any, "
-     "and "
-     "pages of other sites too",
+     "Without keys: names with a dot under which the server may be called, separated by commas; *: any, and pages of "
+     "other sites too",
      &S::allowed_hosts},
     {"upload-time", SettingUnit::seconds, "", 1, 30 * kSecondsADay, "Time that an upload is kept without progress",
      &S::upload_time},

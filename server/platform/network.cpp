@@ -70,7 +70,7 @@ std::optional<Network> Network::parse(std::string_view text) {
   const unsigned offset = before.find(':') == before.npos ? kMappedBits : 0;
   unsigned bits = 0;
   const auto [end, failed] = std::from_chars(digits.data(), digits.data() + digits.size(), bits);
-  if (failed != std::errc() || end != digits.data() + digits.size() || bits + offset > network.bits_) {
+  if (failed != std::errc() || end != digits.data() + digits.size() || bits > network.bits_ - offset) {
     return std::nullopt;
   }
   network.bits_ = bits + offset;

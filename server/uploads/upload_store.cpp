@@ -14,6 +14,7 @@
 #include "jobs/sqlite/database.hpp"
 #include "jobs/sqlite/errors.hpp"
 #include "jobs/sqlite/holding_rows.hpp"
+#include "observability/log.hpp"
 #include "platform/files.hpp"
 #include "platform/random.hpp"
 #include "uploads/upload_rows.hpp"
@@ -111,14 +112,18 @@ Status UploadStore::import_files() {
   if (error) return system_error("list the uploads", error.value());
   for (const fs::path& file : files) {
     const auto upload = read_record(file);
-    if (!upload || !is_id(upload->id)) continue;
+    if (!upload || !is_id(upload->id)) {
+      log(LogLevel::warning, "the record of an upload cannot be read; it and the bytes beside it are left alone",
+          {{"file", file.string()}});
+      continue;
+    }
     const Status noted = records_->locked(Transaction::Kind::write, [&](sqlite::Database& database) -> Status {
       sqlite::insert_upload(database, *upload, upload->owner);
       return Done{};
     });
     if (!noted) return noted;
+    ::unlink(file.c_str());
   }
-  for (const fs::path& file : files) ::unlink(file.c_str());
   return Done{};
 }
 
@@ -332,7 +337,9 @@ void UploadStore::remove_strays() {
   std::set<fs::path> known;
   for (const PartialUpload& upload : *open) known.insert(bytes_file(upload.id));
   for (const fs::path& file : files) {
-    if (!known.contains(file)) fs::remove_all(file, error);
+    // A record that could not be taken over stays, and the bytes that it tells of.
+    const bool told_of = file.extension() == ".json" || fs::exists(fs::path(file).replace_extension(".json"), error);
+    if (!known.contains(file) && !told_of) fs::remove_all(file, error);
   }
 }
 

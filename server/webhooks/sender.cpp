@@ -146,7 +146,8 @@ void WebhookSender::work() {
 void WebhookSender::deliver(Delivery delivery) {
   const auto job = jobs_.find(delivery.job);
   if (!job) {
-    note(std::move(delivery), job.error(), true);
+    const ErrorCode why = job.error().code;
+    note(std::move(delivery), job.error(), why == ErrorCode::job_not_found || why == ErrorCode::job_gone);
     return;
   }
   delivery.tried_at = now();

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 #include <iterator>
 
 #include "worker/attempt_bounds.hpp"
@@ -227,6 +228,12 @@ AttemptResult judge(const ChildProcess::Exit& exit, const Watch& watch, const St
   return judge_exit(exit, watch.problem(), spec);
 }
 
+/// What is there now was there when the child looked for it: nothing comes back.
+bool are_there(const AttemptSpec& spec) {
+  std::error_code error;
+  return std::filesystem::exists(spec.cloud, error) && std::filesystem::exists(spec.directory, error);
+}
+
 }  // namespace
 
 AttemptResult AttemptRunner::run(const AttemptSpec& spec, const StopSignal& stop, AttemptLog& log,
@@ -235,25 +242,28 @@ AttemptResult AttemptRunner::run(const AttemptSpec& spec, const StopSignal& stop
   if (spec.guarded) command.insert(std::next(command.begin()), kGuardCommand);
   command.push_back(encode(spec));
   const auto began = Clock::now();
-  auto run = run_once(command, spec, stop, log, progress);
-  if (run && run->cannot_be_contained) {
-    namespaces_ = ChildProcess::Namespaces::shared;
-    run = run_once(command, spec, stop, log, progress);
+  const auto namespaces = spec.guarded ? ChildProcess::Namespaces::shared : namespaces_.load();
+  auto run = run_once(command, namespaces, spec, stop, log, progress);
+  // A job that is ended and removed while it starts says nothing about what this machine can do.
+  if (run && (run->cannot_be_contained || run->paths_not_reached) && !stop.why()) {
+    if (run->cannot_be_contained || are_there(spec)) namespaces_ = ChildProcess::Namespaces::shared;
+    run = run_once(command, ChildProcess::Namespaces::shared, spec, stop, log, progress);
   }
   if (!run) return {Outcome::lost, run.error()};
   run->result.usage.seconds = std::chrono::duration<double>(Clock::now() - began).count();
   return std::move(run->result);
 }
 
-Result<AttemptRunner::Run> AttemptRunner::run_once(const std::vector<std::string>& command, const AttemptSpec& spec,
+Result<AttemptRunner::Run> AttemptRunner::run_once(const std::vector<std::string>& command,
+                                                   ChildProcess::Namespaces namespaces, const AttemptSpec& spec,
                                                    const StopSignal& stop, AttemptLog& log,
                                                    const ProgressSink& progress) const {
-  auto child = ChildProcess::start(command, spec.guarded ? ChildProcess::Namespaces::shared : namespaces_.load());
+  auto child = ChildProcess::start(command, namespaces);
   if (!child) return child.error();
   Watch watch(*child, spec, stop, log, progress);
   watch.until_end();
   const ChildProcess::Exit exit = child->reap();
-  Run run{judge(exit, watch, stop, spec), exit.cannot_be_contained};
+  Run run{judge(exit, watch, stop, spec), exit.cannot_be_contained, exit.paths_not_reached};
   run.result.usage.cpu_seconds = exit.cpu_seconds;
   run.result.usage.peak_memory_bytes = exit.peak_memory_bytes;
   return run;

@@ -48,9 +48,11 @@ class AttemptRunner {
   struct Run {
     AttemptResult result;
     bool cannot_be_contained = false;
+    bool paths_not_reached = false;
   };
-  Result<Run> run_once(const std::vector<std::string>& command, const AttemptSpec& spec, const StopSignal& stop,
-                       AttemptLog& log, const ProgressSink& progress) const;
+  Result<Run> run_once(const std::vector<std::string>& command, ChildProcess::Namespaces namespaces,
+                       const AttemptSpec& spec, const StopSignal& stop, AttemptLog& log,
+                       const ProgressSink& progress) const;
 
   const std::vector<std::string> command_;
   mutable std::atomic<ChildProcess::Namespaces> namespaces_;

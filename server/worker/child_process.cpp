@@ -196,6 +196,7 @@ ChildProcess::Use ChildProcess::use() {
 
 void ChildProcess::judge_first_process(Exit& exit) {
   exit.cannot_be_contained = exit.signal == SIGSYS || (exit.signal == 0 && exit.code == kCannotBeContained);
+  exit.paths_not_reached = exit.signal == 0 && exit.code == kPathsNotReached;
   if (exit.signal != 0 || exit.code < kEndedBySignal) return;
   exit.signal = exit.code - kEndedBySignal;
   exit.code = 0;

@@ -25,6 +25,7 @@ class ChildProcess {
     int signal = 0;
     /// It ended before its work began, because it cannot do without what its own namespaces keep from it.
     bool cannot_be_contained = false;
+    bool paths_not_reached = false;
     double cpu_seconds = 0;
     /// As the kernel counts it; never less than what the server itself had when it started the process.
     std::uint64_t peak_memory_bytes = 0;

@@ -9,6 +9,9 @@ namespace surfaced {
 /// work has not begun then.
 inline constexpr int kCannotBeContained = 125;
 
+/// What it ends with if the paths of its work are not there for it: its user has no right to them, or they are gone.
+inline constexpr int kPathsNotReached = 124;
+
 /// What it adds to the number of the signal that has ended the work.
 inline constexpr int kEndedBySignal = 128;
 

@@ -33,7 +33,7 @@ bool reaches(const AttemptSpec& spec) {
     if (ended < 0 && errno != EINTR) ::_exit(kCannotBeContained);
     if (ended != worker) continue;
     if (WIFSIGNALED(status)) ::_exit(kEndedBySignal + WTERMSIG(status));
-    ::_exit(std::min(WEXITSTATUS(status), kCannotBeContained - 1));
+    ::_exit(std::min(WEXITSTATUS(status), kPathsNotReached - 1));
   }
 }
 
@@ -42,7 +42,7 @@ bool reaches(const AttemptSpec& spec) {
 bool is_first_process() { return ::getpid() == 1; }
 
 Result<std::string> continue_behind_first_process(const AttemptSpec& spec) {
-  if (!reaches(spec)) ::_exit(kCannotBeContained);
+  if (!reaches(spec)) ::_exit(kPathsNotReached);
   const std::array places{VisiblePlace{spec.cloud, false}, VisiblePlace{spec.directory, true},
                           VisiblePlace{kProcessors, false}};
   const bool hidden = hide_all_but(places);

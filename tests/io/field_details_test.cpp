@@ -132,6 +132,11 @@ TEST(LasDetails, a_count_that_is_too_small_is_warned_of_and_one_too_large_is_tak
   EXPECT_THAT(read(many, options).warnings, ElementsAre(HasSubstr("declares 9 points, 3 are there")));
 }
 
+TEST(LasDetails, what_is_said_to_lie_before_the_points_does_not_end_them) {
+  const std::vector<LasPoint> points{{{1, 1, 1}, {}}, {{2, 2, 2}, {}}};
+  EXPECT_EQ(read(las_file(points, {.minor = 3, .waveforms = 60})).size(), 2U);
+}
+
 /// Four points of 16 bits, and normals of 8, in a node that scales and moves them.
 std::string quantised_gltf(bool normalized) {
   const std::string flag = normalized ? R"("normalized":true,)" : "";
@@ -151,6 +156,15 @@ TEST(GltfDetails, positions_of_16_bits_and_normals_of_8_are_read) {
   EXPECT_EQ(plain.normals, (std::vector<Normal3>{{0, 0, 1}, {1, 0, 0}}));
   const RawCloud unit = read(quantised_gltf(true));
   EXPECT_EQ(unit.positions[1], (Point3{-1, 2, 0}));
+}
+
+TEST(GltfDetails, normalized_says_nothing_of_floats) {
+  const RawCloud cloud = read(
+      R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"mode":0,)"
+      R"("attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"normalized":true,"componentType":5126,)"
+      R"("count":1,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":12}],"buffers":[{"byteLength":12,"uri":)"
+      R"("data:application/octet-stream;base64,AACgwAAA4MAAAAAA"}]})");
+  EXPECT_EQ(cloud.positions, (Points{{-5, -7, 0}}));
 }
 
 }  // namespace

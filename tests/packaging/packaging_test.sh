@@ -16,6 +16,10 @@ the_library_is_installed() { # once, by somebody whose umask keeps others out
 what_is_installed_is_for_everybody_whatever_the_umask() {
   the_library_is_installed
   (umask 077 && cmake --install "$build" --component daemon --prefix "$scratch/prefix" >/dev/null)
+  mkdir -p "$scratch/c++/share" && chmod 700 "$scratch/c++/share"
+  (umask 077 && cmake --install "$build" --component daemon --prefix "$scratch/c++" >/dev/null)
+  [[ $(stat -c %a "$scratch/c++/share") == 700 ]] || fail "a folder that was there before was opened"
+  [[ $(stat -c %a "$scratch/c++/bin") == 755 ]] || fail "bin is closed below a prefix with a + in it"
   local closed
   closed=$(find "$scratch/prefix" -type d ! -perm -0755 -o -type f ! -perm -0644)
   [[ -z $closed ]] || fail "closed to others: $closed"

@@ -36,6 +36,12 @@ TEST(ClientAddressTest, all_lines_are_one_list_that_is_read_from_the_right) {
   EXPECT_EQ(client("127.0.0.1", {"10.0.0.3, 10.0.0.2"}), "10.0.0.3") << "all are trusted: the farthest";
 }
 
+TEST(ClientAddressTest, nobody_who_comes_by_way_of_another_machine_is_on_this_one) {
+  for (const char* line : {"::1, 10.1.2.3", "127.0.0.5, 10.1.2.3", "127.0.0.1", "[::1]:80"}) {
+    EXPECT_EQ(client("10.0.0.1", {line}), "unknown") << line;
+  }
+}
+
 TEST(ClientAddressTest, ports_are_left_away_and_what_is_no_address_is_unknown) {
   EXPECT_EQ(client("127.0.0.1", {"203.0.113.5:4711"}), "203.0.113.5");
   EXPECT_EQ(client("127.0.0.1", {"[2a00::1]:4711"}), "2a00::1");
@@ -57,7 +63,8 @@ TEST(NetworkTest, holds_the_addresses_that_begin_as_it_does) {
   EXPECT_FALSE(holds("0.0.0.0/0", "2001:db8::1")) << "of the other family";
   EXPECT_TRUE(holds("2001:db8::/33", "2001:db8:7fff::1"));
   EXPECT_FALSE(holds("2001:db8::/33", "2001:db8:8000::1"));
-  for (const char* wrong : {"", "/8", "10.0.0.0/", "10.0.0.0/33", "10.0.0.0/-1", "::/129", "host/8", "10.0.0.0/8 "}) {
+  for (const char* wrong :
+       {"", "/8", "10.0.0.0/", "10.0.0.0/33", "10.0.0.0/-1", "::/129", "1.1.1.1/4294967200", "host/8", "10.0.0.0/8 "}) {
     EXPECT_FALSE(Network::parse(wrong)) << wrong;
   }
   EXPECT_THAT(networks_in("10.0.0.1, proxy.example").error().detail, HasSubstr("'proxy.example'"));

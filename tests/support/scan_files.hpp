@@ -47,6 +47,8 @@ struct LasOptions {
   std::array<double, 3> offset{};
   /// Declared number of points; -1: as many as there are.
   std::int64_t declared = -1;
+  /// Where waveforms begin, from version 1.3 on; 0: nowhere.
+  std::uint64_t waveforms = 0;
 };
 
 inline std::string las_file(const std::vector<LasPoint>& points, const LasOptions& options = {}) {
@@ -63,7 +65,7 @@ inline std::string las_file(const std::vector<LasPoint>& points, const LasOption
   for (const double x : options.scale) w.put(x);
   for (const double x : options.offset) w.put(x);
   w.zeros(48);
-  if (options.minor >= 3) w.put<std::uint64_t>(0);
+  if (options.minor >= 3) w.put(options.waveforms);
   if (options.minor == 4) w.zeros(12).put(count).zeros(120);
   for (const LasPoint& p : points) {
     const std::size_t begin = w.text.size();
