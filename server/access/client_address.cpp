@@ -10,11 +10,9 @@ namespace {
 /// Takes the last entry off a list that commas separate.
 std::string_view take_last(std::string_view& list) {
   const std::size_t comma = list.rfind(',');
-  std::string_view last = comma == list.npos ? list : list.substr(comma + 1);
+  const std::string_view last = comma == list.npos ? list : list.substr(comma + 1);
   list = comma == list.npos ? std::string_view() : list.substr(0, comma);
-  while (!last.empty() && (last.front() == ' ' || last.front() == '\t')) last.remove_prefix(1);
-  while (!last.empty() && (last.back() == ' ' || last.back() == '\t')) last.remove_suffix(1);
-  return last;
+  return http::trimmed(last);
 }
 
 /// 192.0.2.1:4711 and [2001:db8::1]:4711 without brackets and port.

@@ -44,12 +44,10 @@ Error not_satisfiable(std::string_view value, std::uint64_t size) {
 /// True if every part of the list is a range.
 bool is_list_of_ranges(std::string_view list) {
   for (;;) {
-    std::string_view one = list.substr(0, list.find(','));
+    const std::string_view one = list.substr(0, list.find(','));
     const bool last = one.size() == list.size();
     list.remove_prefix(std::min(list.size(), one.size() + 1));
-    while (one.starts_with(' ') || one.starts_with('\t')) one.remove_prefix(1);
-    while (one.ends_with(' ') || one.ends_with('\t')) one.remove_suffix(1);
-    if (!parse_range(one)) return false;
+    if (!parse_range(trimmed(one))) return false;
     if (last) return true;
   }
 }
@@ -63,8 +61,7 @@ bool not_modified(const Headers& headers, std::string_view etag) {
   while (!list.empty()) {
     std::string_view tag = list.substr(0, list.find(','));
     list.remove_prefix(std::min(list.size(), tag.size() + 1));
-    while (tag.starts_with(' ') || tag.starts_with('\t')) tag.remove_prefix(1);
-    while (tag.ends_with(' ') || tag.ends_with('\t')) tag.remove_suffix(1);
+    tag = trimmed(tag);
     // A weak tag matches too: If-None-Match compares weakly.
     if (tag.starts_with("W/")) tag.remove_prefix(2);
     if (tag == "*" || tag == etag) return true;

@@ -35,12 +35,6 @@ std::string_view take_line(std::string_view& text) {
   return line;
 }
 
-std::string_view trim(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
-
 /// Length of the sequence that this byte begins; 0 for none.
 std::size_t sequence_length(unsigned char first) {
   if (first < 0x80) return 1;
@@ -53,7 +47,7 @@ std::size_t sequence_length(unsigned char first) {
 std::string_view take_entry(std::string_view& list) {
   const std::string_view entry = list.substr(0, list.find(','));
   list.remove_prefix(std::min(list.size(), entry.size() + 1));
-  return trim(entry);
+  return trimmed(entry);
 }
 
 bool names_close(const Headers& headers) {
@@ -113,7 +107,7 @@ Status read_fields(std::string_view text, RequestHead& head) {
     const std::size_t colon = line.find(':');
     // A folded line begins with a space, which no name holds.
     if (colon == line.npos || !is_token(line.substr(0, colon))) return refuse("a header line is not 'Name: value'");
-    const std::string_view value = trim(line.substr(colon + 1));
+    const std::string_view value = trimmed(line.substr(colon + 1));
     if (std::ranges::any_of(value, is_control)) return refuse("a header field holds a control character");
     head.headers.add(std::string(line.substr(0, colon)), std::string(value));
   }
