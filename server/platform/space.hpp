@@ -11,8 +11,8 @@ namespace surfaced {
 
 /// Asks whether there is space while bytes come in whose number nobody knows: before the first of them, and then once
 /// for every 64 KiB. What may be written until the next look is asked for in advance, so that a writer alone never
-/// takes what is to stay free, and writers at the same time take 64 KiB each of it at most. Another 64 KiB are asked for
-/// besides: the job store writes records of what came, and a file's last block is rounded up.
+/// takes what is to stay free, and writers at the same time take 64 KiB each of it at most. Another 64 KiB are asked
+/// for besides: the job store writes records of what came, and a file's last block is rounded up.
 class SpaceLooks {
  public:
   /// storage_full unless this many bytes may be written.
