@@ -27,6 +27,9 @@ constexpr double kThinVertex = 1;
 
 /// Below so many points a candidate takes a few milliseconds.
 constexpr std::size_t kSmallCloud = 5000;
+/// Open edges and unused points of the guiding surface, for each point, up to which it counts as closed.
+constexpr double kFewOpenEdges = 0.01;
+constexpr double kFewUnusedPoints = 0.001;
 constexpr std::array kFurtherLevels{1.6F, 1.5F, 1.3F, 1.2F, 1.1F};
 
 std::vector<std::uint8_t> first_labels(const Material& m, const Recipe& recipe) {
@@ -45,10 +48,14 @@ std::vector<std::uint8_t> first_labels(const Material& m, const Recipe& recipe) 
 std::optional<Candidate> make_candidate(const Material& m, const Recipe& recipe, const Context& context) {
   Candidate candidate{recipe, Labelling(m.complex), {}, {}, {}, {}};
   candidate.labels.assign(first_labels(m, recipe), 1);
-  if (recipe.kind != Recipe::Kind::flooded) {
-    if (!Repairer(candidate.labels, m.criterion, 1).repair_all(context)) return std::nullopt;
+  Result<Inflated> inflated = Inflated{};
+  if (recipe.kind == Recipe::Kind::flooded) {
+    inflated = inflate(candidate.labels, m.boundary.facets, m.criterion, context, 1);
+  } else {
+    Repairer repairer(candidate.labels, m.criterion, 1);
+    if (!repairer.repair_all(context)) return std::nullopt;
+    inflated = inflate_known(candidate.labels, m.boundary.facets, m.criterion, repairer.good_vertices(), context);
   }
-  const Result<Inflated> inflated = inflate(candidate.labels, m.boundary.facets, m.criterion, context, 1);
   if (!inflated) return std::nullopt;
   const Result<Descent> descent = descend(candidate.labels, m.criterion, context, 1);
   if (!descent) return std::nullopt;
@@ -92,20 +99,79 @@ std::vector<float> levels_of(const std::vector<Recipe>& recipes) {
   return levels;
 }
 
-Result<std::vector<Candidate>> make_candidates(const Material& material, Context& context) {
-  std::vector<std::optional<Candidate>> made(material.recipes.size());
-  std::atomic<std::size_t> finished{0};
-  parallel_tasks(context.threads(), made.size(), [&](std::size_t k) {
-    made[k] = make_candidate(material, material.recipes[k], context);
+namespace {
+
+using Made = std::vector<std::optional<Candidate>>;
+
+/// Makes those of the recipes that are wanted and not yet made; false if cancelled.
+bool make_some(const Material& material, const std::function<bool(const Recipe&)>& wanted, Made& made,
+               Context& context) {
+  std::vector<std::size_t> left;
+  for (std::size_t k = 0; k < made.size(); ++k) {
+    if (!made[k] && wanted(material.recipes[k])) left.push_back(k);
+  }
+  std::atomic<std::size_t> finished{made.size() - left.size()};
+  parallel_tasks(context.threads(), left.size(), [&](std::size_t k) {
+    made[left[k]] = make_candidate(material, material.recipes[left[k]], context);
     context.report(static_cast<double>(++finished) / static_cast<double>(made.size()));
   });
+  return std::ranges::all_of(left, [&](std::size_t k) { return made[k].has_value(); });
+}
+
+/// Scans have small openings, and points that fit nowhere.
+bool nearly_closed(const GuidingSurface& guide) {
+  const auto points = static_cast<double>(guide.positions.size());
+  return static_cast<double>(guide.open_edges) <= kFewOpenEdges * points &&
+         static_cast<double>(guide.unused_points) <= kFewUnusedPoints * points;
+}
+
+/// Whether all that were made leave no point inside and show the same topology.
+bool agree(const Made& made) {
+  const Measures* first = nullptr;
+  for (const std::optional<Candidate>& c : made) {
+    if (!c) continue;
+    const Measures& m = c->measures;
+    if (first == nullptr) first = &m;
+    if (m.interior > 0 || m.components != first->components || m.handles() != first->handles()) return false;
+  }
+  return true;
+}
+
+Result<std::vector<Candidate>> those_of(Made made) {
   std::vector<Candidate> candidates;
   for (std::optional<Candidate>& candidate : made) {
-    if (!candidate) return Error{ErrorCode::cancelled, "cancelled while making candidates"};
-    candidates.push_back(std::move(*candidate));
+    if (candidate) candidates.push_back(std::move(*candidate));
     candidate.reset();
   }
   return candidates;
+}
+
+Error cancelled_while_making() { return {ErrorCode::cancelled, "cancelled while making candidates"}; }
+
+}  // namespace
+
+Result<std::vector<Candidate>> make_candidates(const Material& material, Context& context) {
+  Made made(material.recipes.size());
+  if (!make_some(
+          material, [](const Recipe&) { return true; }, made, context))
+    return cancelled_while_making();
+  return those_of(std::move(made));
+}
+
+Result<std::vector<Candidate>> make_candidates_until_sure(const Material& material, Context& context) {
+  Made made(material.recipes.size());
+  const GuidingSurface& guide = material.guides.front();
+  if (made.size() < kManyCandidates && nearly_closed(guide)) {
+    const auto of_two_ways = [](const Recipe& r) {
+      return r.kind == Recipe::Kind::guided || r.kind == Recipe::Kind::coloured;
+    };
+    if (!make_some(material, of_two_ways, made, context)) return cancelled_while_making();
+    if (agree(made)) return those_of(std::move(made));
+  }
+  if (!make_some(
+          material, [](const Recipe&) { return true; }, made, context))
+    return cancelled_while_making();
+  return those_of(std::move(made));
 }
 
 std::int64_t usual_handles(const std::vector<Candidate>& candidates) {

@@ -71,6 +71,10 @@ struct Material {
 /// Makes all candidates, in the order of the recipes, each on one thread, several at a time.
 /// @return  cancelled.
 Result<std::vector<Candidate>> make_candidates(const Material& material, Context& context);
+/// The same for a large cloud; only the coloured and the guided one where the guiding surface is nearly closed through
+/// nearly all points and the two, which were made in ways that have nothing in common, leave no point inside and have
+/// the same topology.
+Result<std::vector<Candidate>> make_candidates_until_sure(const Material& material, Context& context);
 
 /// Weighs Σλ in units of a mean λ against interior vertices and handles that are missing or too many; less is better.
 struct Judge {

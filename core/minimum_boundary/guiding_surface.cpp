@@ -159,6 +159,14 @@ class Spreading {
   Seeds seeds_;
 };
 
+std::size_t unused_points(std::size_t points, const std::vector<Triangle>& triangles) {
+  std::vector<bool> used(points, false);
+  for (const Triangle& t : triangles) {
+    for (const VertexIndex v : t) used[v] = true;
+  }
+  return static_cast<std::size_t>(std::ranges::count(used, false));
+}
+
 }  // namespace
 
 Result<GuidingSurface> guiding_surface(std::vector<Point3> positions, unsigned smoothing_rounds, const Context& context,
@@ -177,8 +185,9 @@ Result<GuidingSurface> guiding_surface(std::vector<Point3> positions, unsigned s
   }
   Result<LocalDelaunayResult> surface = local_delaunay(points, {}, own);
   if (surface) {
+    const std::size_t unused = unused_points(points.size(), surface->mesh.triangles);
     return GuidingSurface{std::move(points.positions), std::move(surface->mesh.triangles),
-                          surface->statistics.open_edges};
+                          surface->statistics.open_edges, unused};
   }
   const ErrorCode code = surface.error().code;
   if (code == ErrorCode::too_few_points || code == ErrorCode::collinear) return GuidingSurface{};

@@ -16,6 +16,8 @@ struct GuidingSurface {
   std::vector<Point3> positions;
   std::vector<Triangle> triangles;
   std::size_t open_edges = 0;
+  /// Points in no triangle.
+  std::size_t unused_points = 0;
 };
 
 /// The surface that local-delaunay makes of the points, after they have been moved so many times onto the plane of

@@ -27,6 +27,16 @@ class Inflater {
     });
   }
 
+  /// As above, where it is known which vertices pass.
+  Inflater(Labelling& labels, const FacetSet& boundary, const Criterion& criterion, const VertexTest& passes,
+           std::vector<std::uint8_t> known)
+      : labels_(labels),
+        complex_(labels.complex()),
+        boundary_(boundary),
+        criterion_(criterion),
+        passes_(passes),
+        good_(std::move(known)) {}
+
   /// Takes candidates in until there are none; false if cancelled.
   bool run(const Context& context) {
     for (std::size_t v = 0; v < good_.size(); ++v) {
@@ -131,10 +141,11 @@ Result<std::size_t> inflate_until(Labelling& labels, const FacetSet& boundary, c
   return inflater.taken();
 }
 
-Result<Inflated> inflate(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
-                         const Context& context, unsigned threads) {
-  const VertexTest passes = [](const Labelling& l, VertexIndex v) { return good(l.state(v)); };
-  Inflater inflater(labels, boundary, criterion, passes, threads);
+namespace {
+
+const VertexTest kPasses = [](const Labelling& l, VertexIndex v) { return good(l.state(v)); };
+
+Result<Inflated> inflate_to_end(Inflater inflater, const Context& context) {
   Inflated result;
   do {
     const std::size_t before = inflater.taken();
@@ -143,6 +154,18 @@ Result<Inflated> inflate(Labelling& labels, const FacetSet& boundary, const Crit
   } while (inflater.force_one());
   result.forced = inflater.taken() - result.cells;
   return result;
+}
+
+}  // namespace
+
+Result<Inflated> inflate(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
+                         const Context& context, unsigned threads) {
+  return inflate_to_end({labels, boundary, criterion, kPasses, threads}, context);
+}
+
+Result<Inflated> inflate_known(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
+                               std::vector<std::uint8_t> good_vertices, const Context& context) {
+  return inflate_to_end({labels, boundary, criterion, kPasses, std::move(good_vertices)}, context);
 }
 
 }  // namespace surfaced::boundary

@@ -2,7 +2,9 @@
 // Inflating (§6.2, Algorithm 2): makes any labelling's surface manifold by taking cells in.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "minimum_boundary/boundary_complex.hpp"
 #include "minimum_boundary/criterion.hpp"
@@ -34,5 +36,8 @@ Result<std::size_t> inflate_until(Labelling& labels, const FacetSet& boundary, c
 /// @return  cancelled.
 Result<Inflated> inflate(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
                          const Context& context, unsigned threads);
+/// The same where it is known which vertices are good: per vertex 1 if it is.
+Result<Inflated> inflate_known(Labelling& labels, const FacetSet& boundary, const Criterion& criterion,
+                               std::vector<std::uint8_t> good_vertices, const Context& context);
 
 }  // namespace surfaced::boundary

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <optional>
 #include <string>
 
 #include "base/parallel.hpp"
@@ -17,6 +18,8 @@
 #include "minimum_boundary/criterion.hpp"
 #include "minimum_boundary/curvature.hpp"
 #include "minimum_boundary/descent.hpp"
+#include "minimum_boundary/doubt.hpp"
+#include "minimum_boundary/evidence.hpp"
 #include "minimum_boundary/flatness.hpp"
 #include "minimum_boundary/fusing.hpp"
 #include "minimum_boundary/hole_covering.hpp"
@@ -66,12 +69,11 @@ class Run {
 
   Result<MinimumBoundaryResult> operator()() {
     if (Status body = refuse_flat(cloud_, context_.threads()); !body) return std::move(body).error();
-    Result<DelaunayComplex> complex = delaunay_complex(cloud_, context_, 0.5);
+    Result<DelaunayComplex> complex = triangulate();
     if (!complex) return std::move(complex).error();
     const Criterion criterion(*complex);
     result_.statistics.cells = complex->cells();
-
-    if (Status guided = guide(*complex); !guided) return std::move(guided).error();
+    look_for_bodies(*complex);
     if (Status begun = context_.begin("boundary-complex", 0.65); !begun) return std::move(begun).error();
     FacetRatings ratings;
     const auto rate = [&](unsigned threads) { ratings = rate_facets(*complex, threads); };
@@ -120,20 +122,48 @@ class Run {
 
   bool one_body() const { return result_.statistics.bodies == 1; }
 
-  /// variant=best: the guiding surface, and how many bodies it shows.
-  Status guide(const DelaunayComplex& complex) {
-    MinimumBoundaryStatistics& s = result_.statistics;
-    s.bodies = parameters_.components == Parameters::Components::many ? 0 : 1;
-    if (!wants_watershed() || wants_one_labelling()) return Done{};
-    if (Status begun = context_.begin("guide", 0.55); !begun) return begun;
-    if (Status made = add_guide(complex.positions, 0); !made) return made;
-    s.bodies_seen = count_bodies(complex, guides_.front());
-    if (parameters_.components == Parameters::Components::automatic) s.bodies = s.bodies_seen;
-    return Done{};
+  bool wants_guide() const { return wants_watershed() && !wants_one_labelling(); }
+
+  /// The triangulation, and for variant=best the guiding surface: at the same time where there are threads for both,
+  /// as inserting points takes but one.
+  Result<DelaunayComplex> triangulate() {
+    const unsigned threads = context_.threads();
+    Status guided = Done{};
+    std::optional<Result<DelaunayComplex>> complex;
+    const auto make_guide = [&](unsigned own) { guided = add_guide(cloud_.positions, 0, own); };
+    if (wants_guide() && threads > 1) {
+      parallel_tasks(2, 2, [&](std::size_t task) {
+        if (task == 0) {
+          complex = delaunay_complex(cloud_, context_, 0.55);
+        } else {
+          make_guide(threads - 1);
+        }
+      });
+    } else {
+      complex = delaunay_complex(cloud_, context_, 0.5);
+      if (wants_guide() && *complex) {
+        if (Status begun = context_.begin("guide", 0.55); !begun) return std::move(begun).error();
+        make_guide(threads);
+      }
+    }
+    if (!*complex) return std::move(*complex);
+    if (!guided) return std::move(guided).error();
+    return std::move(*complex);
   }
 
-  Status add_guide(const std::vector<Point3>& positions, unsigned smoothing_rounds) {
-    Result<GuidingSurface> guide = guiding_surface(positions, smoothing_rounds, context_, context_.threads());
+  /// How many bodies the guiding surface shows.
+  void look_for_bodies(const DelaunayComplex& complex) {
+    MinimumBoundaryStatistics& s = result_.statistics;
+    s.bodies = parameters_.components == Parameters::Components::many ? 0 : 1;
+    if (!wants_guide()) return;
+    // Both were made of the same points, these by a power of two larger or smaller.
+    guides_.front().positions = complex.positions;
+    s.bodies_seen = count_bodies(complex, guides_.front());
+    if (parameters_.components == Parameters::Components::automatic) s.bodies = s.bodies_seen;
+  }
+
+  Status add_guide(const std::vector<Point3>& positions, unsigned smoothing_rounds, unsigned threads) {
+    Result<GuidingSurface> guide = guiding_surface(positions, smoothing_rounds, context_, threads);
     if (!guide) return std::move(guide).error();
     guides_.push_back(std::move(*guide));
     return Done{};
@@ -256,12 +286,13 @@ class Run {
   /// All candidates, the best of them, what is better in the others, and surgery.
   Result<Labelling> best(const Material& material) {
     if (Status begun = context_.begin("candidates", 0.85); !begun) return std::move(begun).error();
-    Result<std::vector<Candidate>> candidates = make_candidates(material, context_);
+    Result<std::vector<Candidate>> candidates = make_candidates_until_sure(material, context_);
     if (!candidates) return std::move(candidates).error();
     const Result<std::size_t> choice = choose(material, *candidates);
     if (!choice) return choice.error();
     const std::size_t chosen = *choice;
     record(*candidates, chosen, material.criterion);
+    result_.statistics.evidence = compare_candidates(*candidates, chosen, result_.statistics.bodies);
 
     if (Status begun = context_.begin("fuse", 0.88); !begun) return std::move(begun).error();
     Labelling labels = candidates->at(chosen).labels;
@@ -297,7 +328,7 @@ class Run {
     std::vector<Recipe> recipes;
     for (unsigned rounds = 0; rounds < kSmoothedGuides; ++rounds) {
       recipes.push_back({Recipe::Kind::wound, 0, guides_.size()});
-      if (Status made = add_guide(once, rounds); !made) return std::move(made).error();
+      if (Status made = add_guide(once, rounds, context_.threads()); !made) return std::move(made).error();
     }
     Result<std::vector<Candidate>> more =
         make_candidates({material.complex, material.criterion, material.boundary, material.rated, recipes,
@@ -351,6 +382,10 @@ class Run {
     if (parameters_.variant != Parameters::Variant::fast) {
       const Sampling sampling = sampling_of(labels, context_.threads());
       s.sampling = MinimumBoundarySampling{sampling.median, sampling.high, sampling.share_above_one};
+    }
+    if (s.evidence) {
+      compare_guide(labels, measures, guides_.front(), *s.evidence);
+      s.doubt = doubt_of(s, cloud_.size());
     }
     result_.warnings = warnings_of(s, parameters_, cloud_.size());
     if (parameters_.variant != Parameters::Variant::fast && !s.curvature_reduction) {

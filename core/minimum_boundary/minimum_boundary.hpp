@@ -56,6 +56,26 @@ struct MinimumBoundarySampling {
   double share_above_one = 0;
 };
 
+/// variant=best: what speaks for the result and against it.
+struct MinimumBoundaryEvidence {
+  /// Share of the candidates that have the genus and the components of the chosen one; those with more handles, and
+  /// with fewer.
+  double candidates_agreeing = 0;
+  double more_handles = 0;
+  double fewer_handles = 0;
+  /// How much worse or better the nearest candidate of another genus scored, in mean λ; infinite if there is none.
+  double gap = 0;
+  /// Whether the candidate made with the guiding surface has this topology, and the closed guiding surface itself.
+  bool guided_agrees = false;
+  bool guide_agrees = false;
+  /// Open edges and unused points of the guiding surface, for each point.
+  double guide_open_edges = 0;
+  double guide_unused = 0;
+  /// Share of the triangles that are also the guiding surface's, and of those that face against its normals.
+  double guide_shared = 0;
+  double opposed_triangles = 0;
+};
+
 struct MinimumBoundaryStatistics {
   std::size_t cells = 0;
   std::size_t boundary_complex_facets = 0;
@@ -103,6 +123,9 @@ struct MinimumBoundaryStatistics {
   /// Spacing over distance to the medial axis: median, exceeded by one vertex in twenty, share above 1; not for
   /// variant=fast.
   std::optional<MinimumBoundarySampling> sampling;
+  std::optional<MinimumBoundaryEvidence> evidence;
+  /// Probability that genus, components or volume are wrong, where there is evidence.
+  std::optional<double> doubt;
   /// openings=keep: triangles cut out.
   std::size_t opened_triangles = 0;
   /// Parts of the surface, of at least a hundredth of the points each, that only such triangles connect.

@@ -86,6 +86,12 @@ Repairer::Repairer(Labelling& labels, const Criterion& criterion, unsigned threa
 
 int Repairer::defect_now(VertexIndex v) { return good(labels_.state(v)) ? 0 : Defects::of(counter_.count(labels_, v)); }
 
+std::vector<std::uint8_t> Repairer::good_vertices() const {
+  std::vector<std::uint8_t> good(defects_.size());
+  for (std::size_t v = 0; v < good.size(); ++v) good[v] = defects_[v] == 0 ? 1 : 0;
+  return good;
+}
+
 void Repairer::turn(CellIndex c) {
   labels_.flip(c);
   journal_.push_back(c);

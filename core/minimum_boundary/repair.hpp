@@ -43,6 +43,8 @@ class Repairer {
   void roll_back();
 
   int defect(VertexIndex v) const { return defects_[v]; }
+  /// Per vertex 1 if it is good.
+  std::vector<std::uint8_t> good_vertices() const;
   Labelling& labels() { return labels_; }
 
  private:

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "minimum_boundary/doubt.hpp"
 #include "minimum_boundary/solid_angles.hpp"
 
 namespace surfaced::boundary {
@@ -13,11 +14,10 @@ constexpr double kDoubtfulSheets = 0.02;
 /// Handles per point beyond which they look like noise, unless they are few.
 constexpr double kDoubtfulHandles = 0.01;
 constexpr std::int64_t kFewHandles = 10;
-/// Score, in mean λ, below which the choice between two topologies was a near thing, and share of the vertices with ε
-/// above 1 from which on the points leave a choice. Of the wrong random subsamples in docs/methods/minimum-boundary.md
-/// 49 % meet both, of the right ones 8 %.
-constexpr double kDoubtfulMargin = 5;
-constexpr double kDoubtfulSampling = 0.04;
+/// Below so many points arms and ears are a large part of a body, and it takes a larger share of vertices that see next
+/// to nothing inside to make a hollow cage.
+constexpr std::size_t kFewPoints = 300;
+constexpr double kHollowShareOfFew = 0.25;
 /// Share of the vertices with ε above 1 from which on the points show hardly more than the corners of a shape; right
 /// random parts of clouds have 0.34 at most.
 constexpr double kUndersampled = 0.4;
@@ -46,7 +46,7 @@ void doubt_components(const MinimumBoundaryStatistics& s, const MinimumBoundaryP
 void doubt_volume(const MinimumBoundaryStatistics& s, std::size_t points, std::vector<std::string>& warnings) {
   const auto on_surface = static_cast<double>(points - s.interior_vertices);
   const double thin = static_cast<double>(s.thin_vertices) / on_surface;
-  if (thin > SolidAngles::kHollowShare) {
+  if (thin > (points < kFewPoints ? kHollowShareOfFew : SolidAngles::kHollowShare)) {
     warnings.push_back(
         "volume_uncertain: at " + percent(thin) +
         " of the vertices the surface turns back upon itself and encloses next to nothing; the cloud may "
@@ -64,14 +64,13 @@ void doubt_volume(const MinimumBoundaryStatistics& s, std::size_t points, std::v
 }
 
 void doubt_topology(const MinimumBoundaryStatistics& s, std::size_t points, std::vector<std::string>& warnings) {
-  const bool sparse = s.sampling && s.sampling->share_above_one > kDoubtfulSampling;
   const double handles = static_cast<double>(s.genus) / static_cast<double>(points);
   if (handles > kDoubtfulHandles && s.genus > kFewHandles) {
     warnings.push_back("topology_uncertain: " + std::to_string(s.genus) + " handles for " + std::to_string(points) +
                        " points; the cloud may be noisy");
-  } else if (sparse && s.topology_margin && *s.topology_margin < kDoubtfulMargin) {
-    warnings.push_back("topology_uncertain: another genus would cost only " +
-                       std::to_string(*s.topology_margin).substr(0, 4) + " edge lengths more or less");
+  } else if (s.doubt && *s.doubt > kDoubtful) {
+    warnings.push_back("topology_uncertain: genus, components or volume are wrong with a probability of " +
+                       percent(*s.doubt) + ", by how far different ways to them agree; see evidence in the report");
   }
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+
 #include "minimum_boundary/minimum_boundary.hpp"
 #include "reconstruction/methods.hpp"
 
@@ -44,6 +46,21 @@ Json sampling_json(const MinimumBoundaryStatistics& s) {
       {"median", s.sampling->median}, {"high", s.sampling->high}, {"share_above_one", s.sampling->share_above_one}};
 }
 
+Json evidence_json(const MinimumBoundaryStatistics& s) {
+  if (!s.evidence) return nullptr;
+  const MinimumBoundaryEvidence& e = *s.evidence;
+  return Json{{"candidates_agreeing", e.candidates_agreeing},
+              {"more_handles", e.more_handles},
+              {"fewer_handles", e.fewer_handles},
+              {"gap", std::isfinite(e.gap) ? Json(e.gap) : Json(nullptr)},
+              {"guided_agrees", e.guided_agrees},
+              {"guide_agrees", e.guide_agrees},
+              {"guide_open_edges", e.guide_open_edges},
+              {"guide_unused_points", e.guide_unused},
+              {"guide_shared", e.guide_shared},
+              {"opposed_triangles", e.opposed_triangles}};
+}
+
 Json statistics_json(const MinimumBoundaryStatistics& s) {
   return Json{{"delaunay_cells", s.cells},
               {"boundary_complex_facets", s.boundary_complex_facets},
@@ -74,6 +91,8 @@ Json statistics_json(const MinimumBoundaryStatistics& s) {
               {"buried_vertices", s.buried_vertices},
               {"outliers", s.outliers},
               {"sampling", sampling_json(s)},
+              {"evidence", evidence_json(s)},
+              {"doubt", s.doubt ? Json(*s.doubt) : Json(nullptr)},
               {"straightened_edges", s.straightened_edges},
               {"curvature_reduction", s.curvature_reduction ? Json(*s.curvature_reduction) : Json(nullptr)},
               {"sum_of_longest_edges", s.sum_lambda}};
