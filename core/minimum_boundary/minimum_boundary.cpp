@@ -14,7 +14,6 @@
 #include "minimum_boundary/boundary_complex.hpp"
 #include "minimum_boundary/bridging.hpp"
 #include "minimum_boundary/candidates.hpp"
-#include "minimum_boundary/conforming.hpp"
 #include "minimum_boundary/criterion.hpp"
 #include "minimum_boundary/curvature.hpp"
 #include "minimum_boundary/descent.hpp"
@@ -22,15 +21,13 @@
 #include "minimum_boundary/evidence.hpp"
 #include "minimum_boundary/flatness.hpp"
 #include "minimum_boundary/fusing.hpp"
-#include "minimum_boundary/hole_covering.hpp"
 #include "minimum_boundary/hull.hpp"
 #include "minimum_boundary/inflating.hpp"
 #include "minimum_boundary/labelling.hpp"
 #include "minimum_boundary/measures.hpp"
-#include "minimum_boundary/min_cut.hpp"
 #include "minimum_boundary/openings.hpp"
+#include "minimum_boundary/papers_way.hpp"
 #include "minimum_boundary/sampling.hpp"
-#include "minimum_boundary/sculpturing.hpp"
 #include "minimum_boundary/solid_angles.hpp"
 #include "minimum_boundary/surgery.hpp"
 #include "minimum_boundary/warnings.hpp"
@@ -182,9 +179,10 @@ class Run {
 
   Result<Labelling> make_surface(const DelaunayComplex& complex, const BoundaryComplex& boundary,
                                  const Criterion& criterion, FacetRatings ratings) {
-    if (parameters_.variant == Parameters::Variant::paper) return papers_way(complex, boundary, criterion);
+    const LidCase lid_case{complex, boundary, criterion, parameters_};
+    if (parameters_.variant == Parameters::Variant::paper) return papers_way(lid_case, result_.statistics, context_);
     if (parameters_.lids != Parameters::Lids::watershed) {
-      Result<Covered> covered = cover(complex, boundary, criterion, Labelling(complex), parameters_.lids);
+      const Result<Covered> covered = cover(lid_case, Labelling(complex), result_.statistics, context_);
       if (!covered) return std::move(covered).error();
       return finish(complex, cells_behind(complex, covered->facets), boundary, criterion);
     }
@@ -203,60 +201,6 @@ class Run {
     const Result<std::vector<Clusters>> clusters = guarded_watershed(complex, boundary.facets, rated, levels, context_);
     if (!clusters) return clusters.error();
     return best({complex, criterion, boundary, rated, recipes, levels, *clusters, guides_});
-  }
-
-  /// BC with lids; `labels` are the cells already taken in.
-  Result<Covered> cover(const DelaunayComplex& complex, const BoundaryComplex& boundary, const Criterion& criterion,
-                        const Labelling& labels, Parameters::Lids lids) {
-    if (Status begun = context_.begin("cover-holes", 0.75); !begun) return std::move(begun).error();
-    Result<Covered> covered = Covered{boundary.facets};
-    if (lids == Parameters::Lids::paper) covered = cover_by_artifacts(Walls{labels, boundary.facets});
-    if (lids == Parameters::Lids::ball) {
-      covered = cover_by_balls(complex, boundary.facets, parameters_.delta, context_);
-    }
-    if (lids == Parameters::Lids::mincut) {
-      covered = cover_by_cut(complex, boundary.facets, criterion, parameters_.delta, context_);
-    }
-    if (!covered) return covered;
-    result_.statistics.lids = covered->lids;
-    result_.statistics.artifacts = covered->artifacts;
-    result_.statistics.hull_holes = covered->hull_holes;
-    result_.statistics.delta = covered->delta;
-    result_.statistics.seed_factor = covered->seed_factor;
-    return covered;
-  }
-
-  /// Figure 12: conforming, hole covering, inflating, sculpturing.
-  Result<Labelling> papers_way(const DelaunayComplex& complex, const BoundaryComplex& boundary,
-                               const Criterion& criterion) {
-    Labelling labels(complex);
-    labels.assign(cells_behind(complex, boundary.facets), context_.threads());
-    if (Status begun = context_.begin("conform", 0.7); !begun) return std::move(begun).error();
-    const Result<std::size_t> conforming = make_conforming(labels, boundary.facets, criterion, context_);
-    if (!conforming) return conforming.error();
-    result_.statistics.conforming_cells = *conforming;
-
-    const Parameters::Lids lids =
-        parameters_.lids == Parameters::Lids::watershed ? Parameters::Lids::paper : parameters_.lids;
-    const Result<Covered> covered = cover(complex, boundary, criterion, labels, lids);
-    if (!covered) return covered.error();
-    std::vector<std::uint8_t> in = cells_behind(complex, covered->facets);
-    for (std::size_t c = 0; c < in.size(); ++c) in[c] = in[c] != 0 || labels.in(CellIndex(c)) ? 1 : 0;
-    labels.assign(in, context_.threads());
-
-    if (Status begun = context_.begin("inflate", 0.85); !begun) return std::move(begun).error();
-    const Result<Inflated> inflated = inflate(labels, covered->facets, criterion, context_, context_.threads());
-    if (!inflated) return inflated.error();
-    result_.statistics.inflated_cells = inflated->cells;
-    result_.statistics.forced_cells = inflated->forced;
-    if (parameters_.stop_after == Parameters::StopAfter::inflated) return labels;
-
-    if (Status begun = context_.begin("sculpture", 0.95); !begun) return std::move(begun).error();
-    const Result<Sculptured> sculptured = sculpture(labels, covered->facets, criterion, context_);
-    if (!sculptured) return sculptured.error();
-    result_.statistics.exposed_vertices = sculptured->exposed;
-    result_.statistics.flipped_edges = sculptured->flipped;
-    return labels;
   }
 
   /// First labels to a manifold: inflating and descent.

@@ -23,6 +23,7 @@ constexpr double kHollow = 0.5;
 struct Tally {
   int runs = 0;
   int wrong_volume = 0;
+  int wrong_volume_silent = 0;
   int hollow = 0;
   int hollow_silent = 0;
   int wrong_topology = 0;
@@ -33,6 +34,7 @@ struct Tally {
 void add(Tally& sum, const Tally& t) {
   sum.runs += t.runs;
   sum.wrong_volume += t.wrong_volume;
+  sum.wrong_volume_silent += t.wrong_volume_silent;
   sum.hollow += t.hollow;
   sum.hollow_silent += t.hollow_silent;
   sum.wrong_topology += t.wrong_topology;
@@ -42,9 +44,10 @@ void add(Tally& sum, const Tally& t) {
 
 void print(const std::string& title, const Tally& t) {
   std::printf(
-      "%-34s %4d runs: volume wrong %3d, hollow %3d (silent %d); topology wrong %3d (silent %d); right warned %d\n",
-      title.c_str(), t.runs, t.wrong_volume, t.hollow, t.hollow_silent, t.wrong_topology, t.wrong_silent,
-      t.right_warned);
+      "%-34s %4d runs: volume wrong %3d (silent %d), hollow %3d (silent %d); topology wrong %3d (silent %d); right "
+      "warned %d\n",
+      title.c_str(), t.runs, t.wrong_volume, t.wrong_volume_silent, t.hollow, t.hollow_silent, t.wrong_topology,
+      t.wrong_silent, t.right_warned);
 }
 
 std::vector<double> numbers(const std::string& text) {
@@ -71,6 +74,7 @@ void run_one(const KnownBody& body, std::size_t n, double noise, std::uint32_t s
   const bool wrong_volume = std::abs(share - 1) > kWrongVolume;
   const bool wrong_topology = s.genus != body.genus || s.components != 1;
   if (wrong_volume) ++tally.wrong_volume;
+  if (wrong_volume && !warned) ++tally.wrong_volume_silent;
   if (share < kHollow) ++tally.hollow;
   if (share < kHollow && !warned) ++tally.hollow_silent;
   if (wrong_topology) ++tally.wrong_topology;
