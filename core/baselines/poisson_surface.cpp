@@ -34,6 +34,27 @@ using Poisson = CGAL::Poisson_reconstruction_function<WatchedKernel>;
 using PoissonCell = Poisson::Triangulation::Cell_handle;
 using PoissonCellQuality = CGAL::Poisson_mesh_cell_criteria_3<Poisson::Triangulation>::Cell_quality;
 
+bool finite(const ExactKernel::Point_3& p) { return is_finite({p.x(), p.y(), p.z()}); }
+
+/// Whether a ball goes through the points: through two any, three if they span a triangle, four if a tetrahedron. What
+/// are no points, spheres for instance, is not asked.
+template <class... Points>
+bool span_a_ball(const Points&... points) {
+  if constexpr ((std::is_convertible_v<Points, ExactKernel::Point_3> && ...)) {
+    if (!(finite(points) && ...)) return false;
+    if constexpr (sizeof...(Points) == 3) return !CGAL::collinear(static_cast<const ExactKernel::Point_3&>(points)...);
+    if constexpr (sizeof...(Points) == 4) return !CGAL::coplanar(static_cast<const ExactKernel::Point_3&>(points)...);
+  }
+  return true;
+}
+
+/// Exact arithmetic ends the process by SIGFPE where it divides by zero or meets what is no number.
+template <class... Points>
+void require_a_ball(const Points&... points) {
+  if (span_a_ball(points...)) return;
+  throw std::runtime_error("its surface became too thin for its arithmetic; larger facets or sample=grid may help");
+}
+
 }  // namespace
 }  // namespace surfaced::baselines
 
@@ -69,35 +90,34 @@ class CGAL::Double_map<surfaced::baselines::PoissonCell, surfaced::baselines::Po
   std::unordered_map<Cell, ByQuality::iterator> by_cell_;
 };
 
+/// Circumcentres of the cells that are refined, the only ones that the Poisson function asks of its kernel; where
+/// rounding is too coarse CGAL's own goes on exactly.
+template <class Base>
+class CGAL::Robust_filtered_construct_circumcenter_3<surfaced::baselines::WatchedKernel, Base>
+    : public CGAL::Robust_filtered_construct_circumcenter_3<surfaced::baselines::TickingKernel, Base> {
+  using Unasked = CGAL::Robust_filtered_construct_circumcenter_3<surfaced::baselines::TickingKernel, Base>;
+
+ public:
+  using Unasked::Unasked;
+  template <class... Points>
+  typename Unasked::result_type operator()(const Points&... points) const {
+    surfaced::baselines::require_a_ball(points...);
+    return Unasked::operator()(points...);
+  }
+};
+
 namespace surfaced::baselines {
 namespace {
 
 using Point = WatchedKernel::Point_3;
 using PointVector = std::pair<Point, WatchedKernel::Vector_3>;
 
-bool finite(const ExactKernel::Point_3& p) { return is_finite({p.x(), p.y(), p.z()}); }
-
-/// Whether a ball goes through the points: through two any, three if they span a triangle, four if a tetrahedron. What
-/// are no points, spheres for instance, is not asked.
-template <class... Points>
-bool span_a_ball(const Points&... points) {
-  if constexpr ((std::is_same_v<Points, ExactKernel::Point_3> && ...)) {
-    if (!(finite(points) && ...)) return false;
-    if constexpr (sizeof...(Points) == 3) return !CGAL::collinear(points...);
-    if constexpr (sizeof...(Points) == 4) return !CGAL::coplanar(points...);
-  }
-  return true;
-}
-
-/// A construction by exact arithmetic, which ends the process by SIGFPE where it divides by zero or meets what is no
-/// number.
+/// A construction by exact arithmetic.
 template <class Construction>
 struct Asked : Construction {
   template <class... Points>
   typename Construction::result_type operator()(const Points&... points) const {
-    if (!span_a_ball(points...)) {
-      throw std::runtime_error("its surface became too thin for its arithmetic; larger facets or sample=grid may help");
-    }
+    require_a_ball(points...);
     return Construction::operator()(points...);
   }
 };

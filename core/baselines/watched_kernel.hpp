@@ -12,7 +12,7 @@ using ExactKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
 /// CGAL's kernel, ticking in the predicate that Delaunay triangulations spend their time around and in the access to
 /// coordinates that kd-trees do.
-struct WatchedKernel : ExactKernel {
+struct TickingKernel : ExactKernel {
   struct Side_of_oriented_sphere_3 : ExactKernel::Side_of_oriented_sphere_3 {
     template <class... Points>
     auto operator()(const Points&... points) const {
@@ -31,5 +31,8 @@ struct WatchedKernel : ExactKernel {
   };
   Construct_cartesian_const_iterator_3 construct_cartesian_const_iterator_3_object() const { return {}; }
 };
+
+/// A name of its own, for which constructions of CGAL can be guarded.
+struct WatchedKernel : TickingKernel {};
 
 }  // namespace surfaced::baselines

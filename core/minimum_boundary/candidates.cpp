@@ -32,9 +32,9 @@ constexpr double kFewOpenEdges = 0.01;
 constexpr double kFewUnusedPoints = 0.001;
 constexpr std::array kFurtherLevels{1.6F, 1.5F, 1.3F, 1.2F, 1.1F};
 
-std::vector<std::uint8_t> first_labels(const Material& m, const Recipe& recipe) {
+std::vector<std::uint8_t> first_labels(const Material& m, const Recipe& recipe, const Context& context) {
   if (recipe.kind == Recipe::Kind::guided) return guided_labels(m.complex, m.rated, m.guides[recipe.guide]);
-  if (recipe.kind == Recipe::Kind::wound) return wound_labels(m.complex, m.guides[recipe.guide], 1);
+  if (recipe.kind == Recipe::Kind::wound) return wound_labels(m.complex, m.guides[recipe.guide], context, 1);
   const auto level = std::ranges::find(m.levels, recipe.level) - m.levels.begin();
   const Clusters& clusters = m.clusters[static_cast<std::size_t>(level)];
   if (recipe.kind == Recipe::Kind::flooded) return inside_of(clusters);
@@ -47,7 +47,7 @@ std::vector<std::uint8_t> first_labels(const Material& m, const Recipe& recipe) 
 /// One candidate from first labels to a manifold; none if cancelled.
 std::optional<Candidate> make_candidate(const Material& m, const Recipe& recipe, const Context& context) {
   Candidate candidate{recipe, Labelling(m.complex), {}, {}, {}, {}};
-  candidate.labels.assign(first_labels(m, recipe), 1);
+  candidate.labels.assign(first_labels(m, recipe, context), 1);
   Result<Inflated> inflated = Inflated{};
   if (recipe.kind == Recipe::Kind::flooded) {
     inflated = inflate(candidate.labels, m.boundary.facets, m.criterion, context, 1);

@@ -85,11 +85,14 @@ double WindingNumber::at(const Point3& place) const {
   return sum / (4 * std::numbers::pi);
 }
 
-std::vector<std::uint8_t> wound_labels(const DelaunayComplex& complex, const GuidingSurface& guide, unsigned threads) {
+std::vector<std::uint8_t> wound_labels(const DelaunayComplex& complex, const GuidingSurface& guide,
+                                       const Context& context, unsigned threads) {
+  constexpr std::size_t kCellsBetweenLooks = 1024;
   const WindingNumber winding(guide);
   std::vector<std::uint8_t> in(complex.cells(), 0);
   parallel_ranges(threads, complex.cells(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
+      if (c % kCellsBetweenLooks == 0 && context.cancelled()) return;
       if (complex.infinite(CellIndex(c))) continue;
       Point3 centroid{};
       for (std::size_t i = 0; i < 4; ++i) {

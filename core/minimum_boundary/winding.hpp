@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/context.hpp"
 #include "delaunay/delaunay.hpp"
 #include "minimum_boundary/guiding_surface.hpp"
 
@@ -39,8 +40,9 @@ class WindingNumber {
 };
 
 /// Finite cells whose centroid has a winding number above a half are IN.
-/// @return  per cell 1 for IN, 0 for OUT.
+/// @return  per cell 1 for IN, 0 for OUT; meaningless once the context is cancelled.
 /// @cost    O(cells log triangles), parallel.
-std::vector<std::uint8_t> wound_labels(const DelaunayComplex& complex, const GuidingSurface& guide, unsigned threads);
+std::vector<std::uint8_t> wound_labels(const DelaunayComplex& complex, const GuidingSurface& guide,
+                                       const Context& context, unsigned threads);
 
 }  // namespace surfaced::boundary

@@ -158,12 +158,25 @@ TEST_F(GeometryTest, a_vertex_of_six_thousand_triangles_costs_the_front_no_more_
   EXPECT_LT(seconds_of(line), 50 * usual);
 }
 
+TEST_F(GeometryTest, points_far_from_all_others_keep_minimum_boundary_below_its_bound) {
+  Numbers numbers(7);
+  Points points = testing::shapes::spiral(450, numbers);
+  for (std::size_t i = 0; i < 150; ++i) points.push_back({static_cast<double>(i), 0, 1e6});
+  points.push_back({1e6, 1e-300, 1e-300});
+  EXPECT_EQ(outcome(points, "minimum-boundary", Json::object()), "done");
+}
+
 TEST_F(GeometryTest, a_lattice_a_billionth_as_large_as_the_cloud_ends_poisson_soon) {
   Numbers numbers(5);
   Points points = testing::shapes::lattice(40, numbers);
   for (Point3& p : points) p = 1e-9 * p + Point3{1, 0, 0};
   points = joined(std::move(points), {{0, -1, 0}, {1e-301, -1, 1e-303}, {0, 1, 0}, {-1, 0, 1e-16}, {0, 0, 1}});
   outcome(points, "poisson", {{"normals", "plane"}, {"sample_share", 0.0010999}});
+}
+
+TEST_F(GeometryTest, numbered_cases_that_ended_by_a_signal_once_end_with_an_error) {
+  // A cell of four points in a plane, of which poisson asked the centre.
+  for (const std::uint64_t number : {1'000'131U}) EXPECT_NE(run(testing::geometry_case(number, 300)), "done") << number;
 }
 
 TEST_F(GeometryTest, numbered_cases_end_within_their_bound_and_with_an_error_that_helps) {
