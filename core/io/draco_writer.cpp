@@ -18,6 +18,9 @@ using draco::GeometryAttribute;
 constexpr int kSpeed = 3;
 /// Bytes before the triangles: header and two counts.
 constexpr std::size_t kMostHeader = 11 + 5 + 5;
+/// For values of more bits the library counts in 4 * 2^bits bytes how often each occurs, though they be few: 4 GB
+/// at 30.
+constexpr int kMostCountedBits = 22;
 
 /// Adds an attribute with a value per point, in the points' order.
 template <class T, std::size_t N>
@@ -54,6 +57,7 @@ draco::Status encode(const draco::Mesh& mesh, std::optional<int> bits, draco::En
   encoder.SetSpeedOptions(kSpeed, kSpeed);
   encoder.options().SetGlobalBool("compress_connectivity", true);
   if (bits) encoder.SetAttributeQuantization(GeometryAttribute::POSITION, *bits);
+  if (bits > kMostCountedBits) encoder.options().SetGlobalBool("use_built_in_attribute_compression", false);
   return encoder.EncodeMeshToBuffer(mesh, &buffer);
 }
 

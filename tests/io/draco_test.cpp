@@ -247,7 +247,7 @@ INSTANTIATE_TEST_SUITE_P(Files, SharedDraco,
 
 TEST(SharedDracoPair, both_encodings_of_the_patch_hold_the_same_points) {
   const std::string folder = SURFACED_SHARED_DATA;
-  if (!std::filesystem::exists(folder + "/pc_color.drc")) GTEST_SKIP() << "shared data is not there";
+  if (!std::filesystem::exists(folder + "/pc_color.drc")) GTEST_SKIP() << "./dev data fetches it";
   const auto sequential = read_cloud(folder + "/pc_color.drc");
   const auto kd = read_cloud(folder + "/pc_kd_color.drc");
   ASSERT_TRUE(sequential.ok() && kd.ok());

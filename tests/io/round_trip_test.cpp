@@ -9,6 +9,7 @@
 #include <random>
 
 #include "io/io.hpp"
+#include "support/limited_child.hpp"
 #include "support/results.hpp"
 #include "support/shapes.hpp"
 
@@ -205,6 +206,33 @@ TEST(RoundTrip, quantised_draco_errs_by_no_more_than_half_a_step) {
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         EXPECT_NEAR(back->positions[i][axis], mesh.positions[i][axis], half_step);
+      }
+    }
+  }
+}
+
+TEST(RoundTrip, few_values_of_many_bits_take_no_more_memory_than_others) {
+  const TriangleMesh mesh = as_floats(torus_mesh(40, 30));
+  for (const int bits : {22, 23, 26, 30}) {
+    std::vector<std::byte> bytes;
+    const auto write = [&] {
+      bytes =
+          encode_mesh(mesh, MeshFormat::drc, {.quantization_bits = bits, .up = UpAxis::y, .extras_json = {}}).value();
+      return 0;
+    };
+    if (!measuring_is_moot()) {
+      const ChildRun run = run_in_child(write);
+      EXPECT_EQ(run.result, 0) << bits;
+      EXPECT_LT(run.seconds, 1) << bits;
+      EXPECT_LT(run.peak_bytes, std::uint64_t{200} << 20) << bits;
+    }
+    write();
+    const auto back = decode_mesh(bytes, "mesh");
+    ASSERT_TRUE(back.ok()) << detail_of(back);
+    EXPECT_EQ(back->triangles, mesh.triangles);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(back->positions[i][axis], mesh.positions[i][axis], 2.6 * 0x1p-22) << bits;
       }
     }
   }
