@@ -211,12 +211,11 @@ class FileArtifactStore final : public ArtifactStore {
     for (const Claim& claim : kept.outputs) outputs.insert(directory_of(claim));
     std::size_t removed = 0;
     const auto sweep_one = [&](const fs::path& directory, const std::set<std::string>& keep) -> Status {
-      std::error_code error;
-      fs::directory_iterator entries(directory, error);
-      if (error) return system_error("list " + directory.filename().string(), error.value());
-      for (const auto& entry : entries) {
-        if (keep.contains(entry.path().filename().string())) continue;
-        remove_tree(entry.path());
+      const auto entries = entries_of(directory);
+      if (!entries) return entries.error();
+      for (const fs::path& entry : *entries) {
+        if (keep.contains(entry.filename().string())) continue;
+        remove_tree(entry);
         ++removed;
       }
       return Done{};
@@ -233,13 +232,14 @@ class FileArtifactStore final : public ArtifactStore {
 
   Result<Artifacts> listing() override {
     Artifacts found;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(inputs_, error)) found.inputs.push_back(entry.path().filename());
-    if (error) return system_error("list the inputs", error.value());
-    for (const auto& entry : fs::directory_iterator(outputs_, error)) {
-      if (auto claim = claim_of(entry.path().filename())) found.outputs.push_back(std::move(*claim));
+    const auto inputs = entries_of(inputs_);
+    if (!inputs) return inputs.error();
+    for (const fs::path& entry : *inputs) found.inputs.push_back(entry.filename());
+    const auto outputs = entries_of(outputs_);
+    if (!outputs) return outputs.error();
+    for (const fs::path& entry : *outputs) {
+      if (auto claim = claim_of(entry.filename())) found.outputs.push_back(std::move(*claim));
     }
-    if (error) return system_error("list the outputs", error.value());
     return found;
   }
 
@@ -280,11 +280,10 @@ class FileArtifactStore final : public ArtifactStore {
   }
 
   static Status remove_others(const fs::path& directory, const std::set<std::string, std::less<>>& kept) {
-    std::error_code error;
-    fs::directory_iterator entries(directory, error);
-    if (error) return system_error("list an attempt's directory", error.value());
-    for (const auto& entry : entries) {
-      if (!kept.contains(entry.path().filename().string())) remove_tree(entry.path());
+    const auto entries = entries_of(directory);
+    if (!entries) return entries.error();
+    for (const fs::path& entry : *entries) {
+      if (!kept.contains(entry.filename().string())) remove_tree(entry);
     }
     return Done{};
   }

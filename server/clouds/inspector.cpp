@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "clouds/inspector.hpp"
 
-#include <iostream>
-
+#include "observability/log.hpp"
+#include "observability/survives.hpp"
 #include "platform/bounded_json.hpp"
 
 namespace surfaced {
@@ -55,8 +55,10 @@ void CloudInspector::stop() {
 
 void CloudInspector::work() {
   for (;;) {
-    while (inspect_next()) {
-    }
+    survives("have clouds read", [this] {
+      while (inspect_next()) {
+      }
+    });
     std::unique_lock lock(mutex_);
     wake_.wait_for(lock, kPatience, [&] { return stopping_ || woken_; });
     woken_ = false;
@@ -70,7 +72,8 @@ bool CloudInspector::inspect_next() {
   if (!id || !id->has_value()) return false;
   const auto facts = inspect(**id);
   if (!facts && !is_of_the_input(facts.error().code)) {
-    if (!stop_.why()) std::cerr << "cannot inspect cloud " << **id << ": " << facts.error().detail << std::endl;
+    if (!stop_.why())
+      log(LogLevel::error, "cannot have a cloud read", {{"cloud", **id}, {"detail", facts.error().detail}});
     return false;
   }
   return clouds_.inspected(**id, facts).ok();

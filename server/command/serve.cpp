@@ -28,6 +28,7 @@
 #include "jobs/sqlite_job_store.hpp"
 #include "observability/log.hpp"
 #include "observability/metrics.hpp"
+#include "observability/survives.hpp"
 #include "platform/machine.hpp"
 #include "platform/service_manager.hpp"
 #include "reconstruction/reconstruction.hpp"
@@ -235,9 +236,9 @@ class Service {
         continue;
       }
       if (signal) return;
-      remove_expired(*jobs_, *artifacts_);
-      doors_->sweep();
-      if (++sweeps % kSweepsBetweenOrphans == 0) remove_orphans(orphans_);
+      survives("remove what has expired", [this] { remove_expired(*jobs_, *artifacts_); });
+      survives("sweep uploads and clouds", [this] { doors_->sweep(); });
+      if (++sweeps % kSweepsBetweenOrphans == 0) survives("sweep", [this] { remove_orphans(orphans_); });
     }
   }
 

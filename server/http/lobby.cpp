@@ -11,6 +11,7 @@
 #include <string>
 
 #include "http/problem.hpp"
+#include "observability/survives.hpp"
 #include "platform/random.hpp"
 
 namespace surfaced::http {
@@ -115,17 +116,23 @@ void Lobby::run() {
       watch(epoll_.get(), listener_, EPOLLIN, kListener);
     }
     for (int i = 0; i < count; ++i) {
-      const std::uint64_t id = events.at(static_cast<std::size_t>(i)).data.u64;
-      if (id == kBell) {
-        take_mail();
-      } else if (id == kListener) {
-        accept_some();
-      } else if (const auto found = guests_.find(id); found != guests_.end()) {
-        follow(id, found->second.session->advance());
-      }
+      // Memory may run out for one connection; the others go on.
+      survives("go on with a connection", [&] { attend_to(events.at(static_cast<std::size_t>(i)).data.u64); });
     }
-    end_overdue();
-    end_those_who_take_nothing();
+    survives("end connections", [this] {
+      end_overdue();
+      end_those_who_take_nothing();
+    });
+  }
+}
+
+void Lobby::attend_to(std::uint64_t id) {
+  if (id == kBell) {
+    take_mail();
+  } else if (id == kListener) {
+    accept_some();
+  } else if (const auto found = guests_.find(id); found != guests_.end()) {
+    follow(id, found->second.session->advance());
   }
 }
 
@@ -226,10 +233,17 @@ bool Lobby::make_room() {
 void Lobby::seat(std::unique_ptr<Session> session) {
   const std::uint64_t id = session->id();
   const auto deadline = session->deadline();
-  watch(epoll_.get(), session->descriptor(), session->events(), id);
-  deadlines_.emplace(deadline, id);
-  unsent_.note(id, session->share(), Session::Clock::now());
+  const Session& seen = *session;
   guests_.emplace(id, Guest{std::move(session), deadline});
+  try {
+    deadlines_.emplace(deadline, id);
+    unsent_.note(id, seen.share(), Session::Clock::now());
+    watch(epoll_.get(), seen.descriptor(), seen.events(), id);
+  } catch (const std::exception&) {
+    // One that would be forgotten in part is ended.
+    unseat(id);
+    throw;
+  }
 }
 
 std::unique_ptr<Session> Lobby::unseat(std::uint64_t id) {
@@ -254,9 +268,9 @@ void Lobby::follow(std::uint64_t id, Session::Step step) {
   Guest& guest = guests_.at(id);
   const auto deadline = guest.session->deadline();
   if (deadline != guest.deadline) {
+    deadlines_.emplace(deadline, id);
     deadlines_.erase({guest.deadline, id});
     guest.deadline = deadline;
-    deadlines_.emplace(deadline, id);
   }
   // Writing may have become waiting for the next head, or lingering.
   epoll_event event{};

@@ -67,6 +67,7 @@ class Lobby {
   };
 
   void run();
+  void attend_to(std::uint64_t id);
   void take_mail();
   void accept_some();
   void admit(UniqueFd client);

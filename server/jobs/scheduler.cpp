@@ -9,6 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "observability/survives.hpp"
+
 namespace surfaced {
 namespace {
 
@@ -85,12 +87,16 @@ void Scheduler::pulse() {
       wake_.wait_for(lock, options_.heartbeat, [&] { return stopping_ && running_.empty(); });
       if (stopping_ && running_.empty()) return;
     }
-    renew_leases();
-    const auto silent = jobs_.expire_leases();
-    if (!silent || silent->empty()) continue;
-    for (const Claim& claim : *silent) events_.changed(claim.job);
-    wake();
+    survives("renew the leases of attempts", [this] { renew_leases(); });
+    survives("give back jobs that nobody works on", [this] { expire_leases(); });
   }
+}
+
+void Scheduler::expire_leases() {
+  const auto silent = jobs_.expire_leases();
+  if (!silent || silent->empty()) return;
+  for (const Claim& claim : *silent) events_.changed(claim.job);
+  wake();
 }
 
 void Scheduler::renew_leases() {
@@ -114,41 +120,48 @@ void Scheduler::work() {
       if (stopping_) return;
       seen = submissions_;
     }
-    // An attempt without space would only be lost, and losses are counted.
-    const bool space = artifacts_.check_space(0).ok();
-    const auto claimed = space ? jobs_.claim() : Result<std::optional<ClaimedJob>>(std::optional<ClaimedJob>());
-    if (claimed && claimed->has_value()) {
-      run_claimed(**claimed);
-      continue;
-    }
+    Look look = Look::failed;
+    survives("work on a job", [&] { look = work_on_next(); });
+    if (look == Look::worked) continue;
+    const bool nothing_to_do = look == Look::nothing_to_do;
     std::unique_lock lock(mutex_);
-    const bool nothing_to_do = space && claimed;
     const auto patience = nothing_to_do ? kPatience : kPauseAfterFailure;
     wake_.wait_for(lock, patience, [&] { return stopping_ || (nothing_to_do && submissions_ != seen); });
   }
 }
 
-void Scheduler::run_claimed(const ClaimedJob& claimed) {
+Scheduler::Look Scheduler::work_on_next() {
+  // An attempt without space would only be lost, and losses are counted.
+  if (!artifacts_.check_space(0).ok()) return Look::failed;
+  const auto claimed = jobs_.claim();
+  if (!claimed) return Look::failed;
+  if (!claimed->has_value()) return Look::nothing_to_do;
   const auto stop = std::make_shared<StopSignal>();
   {
     const std::scoped_lock lock(mutex_);
-    running_.push_back({claimed.claim(), stop});
+    running_.push_back({(*claimed)->claim(), stop});
     if (stopping_) stop->stop(Outcome::drained);
   }
-  events_.changed(claimed.job.id);
-  // The job may have been dismissed between its claim and its entry above; nobody would stop it then.
-  const auto now = jobs_.find(claimed.job.id);
-  if (!now || now->status != JobStatus::running) stop->stop(Outcome::cancelled);
-  StageClock stages;
-  const AttemptResult result = attempt_safely(claimed, *stop, stages);
-  stages.close();
-  if (options_.ended) options_.ended({claimed, result, stages.stages()});
-  settle(claimed, result);
-  events_.changed(claimed.job.id);
+  // Whatever the end: a job that is not settled is not renewed either, and given back when its lease is over.
+  const bool whole = survives("end an attempt", [&] { run_claimed(**claimed, *stop); });
   const std::scoped_lock lock(mutex_);
   std::erase_if(running_, [&](const Running& each) { return each.stop == stop; });
   idle_.notify_all();
   if (stopping_) wake_.notify_all();
+  return whole ? Look::worked : Look::failed;
+}
+
+void Scheduler::run_claimed(const ClaimedJob& claimed, StopSignal& stop) {
+  events_.changed(claimed.job.id);
+  // The job may have been dismissed between its claim and its entry above; nobody would stop it then.
+  const auto now = jobs_.find(claimed.job.id);
+  if (!now || now->status != JobStatus::running) stop.stop(Outcome::cancelled);
+  StageClock stages;
+  const AttemptResult result = attempt_safely(claimed, stop, stages);
+  stages.close();
+  if (options_.ended) options_.ended({claimed, result, stages.stages()});
+  settle(claimed, result);
+  events_.changed(claimed.job.id);
 }
 
 AttemptResult Scheduler::attempt_safely(const ClaimedJob& claimed, const StopSignal& stop, StageClock& stages) {

@@ -42,7 +42,7 @@ class Scheduler {
     AttemptLimits limits;
     /// Between two renewals of the leases of running attempts; a third of the lease is right.
     std::chrono::milliseconds heartbeat{10'000};
-    /// Called on a worker's thread; must not throw.
+    /// Called on a worker's thread. If it throws, the job is not settled: it is given back when its lease is over.
     std::function<void(const Ended&)> ended;
   };
 
@@ -71,7 +71,10 @@ class Scheduler {
   void work();
   void pulse();
   void renew_leases();
-  void run_claimed(const ClaimedJob& claimed);
+  void expire_leases();
+  enum class Look : std::uint8_t { worked, nothing_to_do, failed };
+  Look work_on_next();
+  void run_claimed(const ClaimedJob& claimed, StopSignal& stop);
   /// What `attempt` throws (memory runs out in the server) loses the attempt and not the worker.
   AttemptResult attempt_safely(const ClaimedJob& claimed, const StopSignal& stop, StageClock& stages);
   AttemptResult attempt(const ClaimedJob& claimed, const StopSignal& stop, StageClock& stages);

@@ -8,6 +8,7 @@
 #include <exception>
 #include <memory>
 
+#include "observability/survives.hpp"
 #include "platform/clock.hpp"
 
 namespace surfaced {
@@ -86,6 +87,14 @@ void log(LogLevel level, std::string_view message, LogFields fields) noexcept {
     logger().log(level_of(level), json ? as_json(level, message, fields) : as_text(level, message, fields));
   } catch (const std::exception&) {
     // Memory or the disk ran out; there is no place left to say so.
+  }
+}
+
+void log_failure(std::string_view doing, const std::exception& failure) noexcept {
+  try {
+    log(LogLevel::error, "cannot " + std::string(doing), {{"detail", failure.what()}});
+  } catch (const std::exception&) {
+    // As above.
   }
 }
 

@@ -32,6 +32,17 @@ Status make_directory(const std::filesystem::path& directory) {
   return sync_directory(directory.parent_path().empty() ? "." : directory.parent_path());
 }
 
+Result<std::vector<std::filesystem::path>> entries_of(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> entries;
+  std::error_code error;
+  // Not a range: the steps of that throw.
+  for (std::filesystem::directory_iterator each(folder, error); !error && each != end(each); each.increment(error)) {
+    entries.push_back(each->path());
+  }
+  if (error) return system_error("list " + folder.filename().string(), error.value());
+  return entries;
+}
+
 Result<UniqueFd> open_regular(const std::filesystem::path& path) {
   UniqueFd fd(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK));
   struct stat status {};

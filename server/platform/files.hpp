@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/base.hpp"
 #include "platform/unique_fd.hpp"
@@ -25,6 +26,9 @@ Status sync_directory(const std::filesystem::path& directory);
 
 /// Creates a directory and its missing parents, for the owner alone, and makes the last one durable.
 Status make_directory(const std::filesystem::path& directory);
+
+/// What is in a folder, in no order. What comes or goes meanwhile may be missing or be there.
+Result<std::vector<std::filesystem::path>> entries_of(const std::filesystem::path& folder);
 
 /// Opens a regular file for reading; a symbolic link or anything else is refused.
 Result<UniqueFd> open_regular(const std::filesystem::path& path);

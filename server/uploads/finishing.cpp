@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "uploads/finishing.hpp"
 
-#include <iostream>
+#include "observability/log.hpp"
+#include "observability/survives.hpp"
 
 namespace surfaced {
 
@@ -51,21 +52,29 @@ void UploadFinishing::work() {
       if (stopping_) return;
       woken_ = false;
     }
-    finish_all();
+    survives("look for uploads that are whole", [this] { finish_all(); });
   }
 }
 
 void UploadFinishing::finish_all() {
   const auto ids = uploads_.whole();
-  if (!ids) return;
+  if (!ids) {
+    log(LogLevel::error, "cannot look for uploads that are whole", {{"detail", ids.error().detail}});
+    return;
+  }
   for (const std::string& id : *ids) {
     if (stopping()) return;
-    auto session = uploads_.begin(id);
-    // The request that sent the last byte is at it.
-    if (!session && session.error().code == ErrorCode::upload_busy) continue;
-    const auto finished = session ? finish(*session) : Result<PartialUpload>(session.error());
-    if (!finished) std::cerr << "cannot finish the upload " << id << ": " << finished.error().detail << std::endl;
+    survives("finish an upload", [&] { finish_one(id); });
   }
+}
+
+void UploadFinishing::finish_one(const std::string& id) {
+  auto session = uploads_.begin(id);
+  // The request that sent the last byte is at it.
+  if (!session && session.error().code == ErrorCode::upload_busy) return;
+  const auto finished = session ? finish(*session) : Result<PartialUpload>(session.error());
+  if (finished) return;
+  log(LogLevel::error, "cannot finish an upload", {{"upload", id}, {"detail", finished.error().detail}});
 }
 
 }  // namespace surfaced

@@ -36,6 +36,7 @@ class UploadFinishing {
  private:
   void work();
   void finish_all();
+  void finish_one(const std::string& id);
   bool stopping();
 
   UploadStore& uploads_;

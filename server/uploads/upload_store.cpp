@@ -104,13 +104,10 @@ Result<std::unique_ptr<UploadStore>> UploadStore::open(const fs::path& data, con
 }
 
 Status UploadStore::import_files() {
-  std::error_code error;
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(directory_, error)) {
-    if (entry.path().extension() == ".json") files.push_back(entry.path());
-  }
-  if (error) return system_error("list the uploads", error.value());
-  for (const fs::path& file : files) {
+  const auto files = entries_of(directory_);
+  if (!files) return files.error();
+  for (const fs::path& file : *files) {
+    if (file.extension() != ".json") continue;
     const auto upload = read_record(file);
     if (!upload || !is_id(upload->id)) {
       log(LogLevel::warning, "the record of an upload cannot be read; it and the bytes beside it are left alone",
@@ -325,18 +322,17 @@ std::size_t UploadStore::end_expired() {
 void UploadStore::remove_strays() {
   const auto lease = BackupLease::to_remove(data_);
   if (!lease) return;
-  std::error_code error;
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(directory_, error)) files.push_back(entry.path());
+  const auto files = entries_of(directory_);
   // Asked for after the files were listed: a row is there before its file is.
   const auto open =
       records_->locked(Transaction::Kind::read, [](sqlite::Database& database) -> Result<std::vector<PartialUpload>> {
         return sqlite::select_open_uploads(database);
       });
-  if (error || !open) return;
+  if (!files || !open) return;
   std::set<fs::path> known;
   for (const PartialUpload& upload : *open) known.insert(bytes_file(upload.id));
-  for (const fs::path& file : files) {
+  std::error_code error;
+  for (const fs::path& file : *files) {
     // A record that could not be taken over stays, and the bytes that it tells of.
     const bool told_of = file.extension() == ".json" || fs::exists(fs::path(file).replace_extension(".json"), error);
     if (!known.contains(file) && !told_of) fs::remove_all(file, error);

@@ -20,6 +20,8 @@ struct Delivery {
   std::string id;
   std::string job;
   std::string url;
+  /// Host and port of the URL, in lower case, which all its deliveries have in common.
+  std::string receiver;
   /// pending, delivered or given_up.
   std::string status;
   std::uint32_t attempts = 0;
@@ -40,9 +42,11 @@ class DeliveryStore {
   DeliveryStore& operator=(const DeliveryStore&) = delete;
   virtual ~DeliveryStore() = default;
 
-  /// Tells by its URL whether a delivery is wanted now; asked for each until there are enough.
-  using Wanted = std::function<bool(const std::string& url)>;
-  /// Pending ones whose time has come and which are wanted, the oldest first.
+  /// Tells whether a delivery to this receiver is wanted now.
+  using Wanted = std::function<bool(const std::string& receiver)>;
+  /// Pending ones whose time has come, of each receiver that is wanted the oldest: receivers in turn, from the one
+  /// after that where the last call ended.
+  /// @cost  a search for each receiver up to a limit, however many wait for it
   virtual Result<std::vector<Delivery>> due(std::size_t most, const Wanted& wanted) = 0;
 
   /// What became of an attempt: delivered, or to be tried again at `next_at`, or given up without one.

@@ -9,18 +9,8 @@ namespace surfaced {
 namespace {
 
 constexpr std::size_t kMostKnown = 10'000;
-constexpr std::string_view kScheme = "https://";
 
 }  // namespace
-
-std::string Receivers::name_of(std::string_view url) {
-  url.remove_prefix(std::min(url.size(), kScheme.size()));
-  std::string name(url.substr(0, url.find_first_of("/?#")));
-  std::ranges::transform(name, name.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  if (name.ends_with(":443")) name.resize(name.size() - 4);
-  return name;
-}
 
 std::size_t Receivers::room() const {
   const std::scoped_lock lock(mutex_);
@@ -57,6 +47,7 @@ bool Receivers::settle(const std::string& name, std::string_view address) {
 void Receivers::leave(const std::string& name) {
   const std::scoped_lock lock(mutex_);
   const auto found = busy_.find(name);
+  if (found == busy_.end()) return;
   if (const auto address = by_address_.find(found->second); address != by_address_.end() && --address->second == 0) {
     by_address_.erase(address);
   }

@@ -20,9 +20,6 @@ class Receivers {
   };
   explicit Receivers(const Limits& limits) : limits_(limits) {}
 
-  /// host:port of an https URL, in lower case.
-  static std::string name_of(std::string_view url);
-
   /// How many more may be taken.
   std::size_t room() const;
   /// True if nothing is on its way to the receiver, and the address that it had last has room.

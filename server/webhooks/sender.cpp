@@ -4,10 +4,10 @@
 #include <curl/curl.h>
 
 #include <array>
-#include <iostream>
 #include <memory>
-#include <set>
 
+#include "observability/log.hpp"
+#include "observability/survives.hpp"
 #include "platform/base64.hpp"
 #include "platform/digest.hpp"
 
@@ -99,7 +99,7 @@ void WebhookSender::stop() {
 
 void WebhookSender::look() {
   while (!stopping_) {
-    hand_out();
+    survives("look for webhooks that are due", [this] { hand_out(); });
     std::unique_lock lock(mutex_);
     free_.wait_for(lock, kBetweenLooks, [&] { return stopping_ || freed_; });
     freed_ = false;
@@ -109,19 +109,15 @@ void WebhookSender::look() {
 void WebhookSender::hand_out() {
   const std::size_t room = receivers_.room();
   if (room == 0) return;
-  std::set<std::string> chosen;
-  auto due = deliveries_.due(room, [&](const std::string& url) {
-    const std::string receiver = Receivers::name_of(url);
-    return receivers_.is_free(receiver) && chosen.insert(receiver).second;
-  });
+  auto due = deliveries_.due(room, [&](const std::string& receiver) { return receivers_.is_free(receiver); });
   if (!due) {
-    std::cerr << "webhooks: " << due.error().detail << std::endl;
+    log(LogLevel::error, "cannot look for webhooks that are due", {{"detail", due.error().detail}});
     return;
   }
   const std::scoped_lock lock(mutex_);
   for (Delivery& delivery : *due) {
-    receivers_.take(Receivers::name_of(delivery.url));
-    queue_.push_back(std::move(delivery));
+    queue_.push_back(delivery);
+    receivers_.take(delivery.receiver);
     handed_.notify_one();
   }
 }
@@ -131,12 +127,14 @@ void WebhookSender::work() {
     std::unique_lock lock(mutex_);
     handed_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
     if (stopping_) return;
-    Delivery delivery = std::move(queue_.front());
+    const Delivery delivery = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();
-    const std::string receiver = Receivers::name_of(delivery.url);
-    deliver(std::move(delivery));
-    receivers_.leave(receiver);
+    if (!survives("tell of a job's end", [&] { deliver(delivery); })) {
+      const Error failed{ErrorCode::internal_error, "the request could not be made"};
+      survives("note that a delivery failed", [&] { note(delivery, failed, false); });
+    }
+    receivers_.leave(delivery.receiver);
     lock.lock();
     freed_ = true;
     free_.notify_one();
@@ -153,7 +151,7 @@ void WebhookSender::deliver(Delivery delivery) {
   delivery.tried_at = now();
   const auto target = resolve_target(delivery.url, options_.private_too);
   // Others at this address are told first.
-  if (target && !receivers_.settle(Receivers::name_of(delivery.url), target->address)) return;
+  if (target && !receivers_.settle(delivery.receiver, target->address)) return;
   const Result<int> answered = target ? post(delivery, *target, describe_(*job)) : Result<int>(target.error());
   note(std::move(delivery), answered, false);
 }
@@ -177,7 +175,7 @@ void WebhookSender::note(Delivery delivery, const Result<int>& answered, bool jo
   }
   // If this cannot be noted the delivery is made again: at least once is what is promised.
   if (const Status noted = deliveries_.tried(delivery); !noted)
-    std::cerr << "webhooks: " << noted.error().detail << std::endl;
+    log(LogLevel::error, "cannot note what became of a delivery", {{"detail", noted.error().detail}});
 }
 
 Result<int> WebhookSender::post(const Delivery& delivery, const WebhookTarget& target, const std::string& body) const {

@@ -11,7 +11,8 @@ namespace {
 using namespace sqlite;
 
 constexpr std::chrono::milliseconds kPatience{2'000};
-constexpr int kUrlColumn = 2;
+/// So many a call; the next call goes on behind them.
+constexpr std::size_t kMostReceivers = 1'000;
 
 Delivery read_delivery(const Query& query) {
   const auto time = [&](int column) {
@@ -19,14 +20,15 @@ Delivery read_delivery(const Query& query) {
   };
   Delivery delivery{query.text(0),
                     query.text(1),
-                    query.text(kUrlColumn),
+                    query.text(2),
                     query.text(3),
-                    static_cast<std::uint32_t>(query.number(4)),
-                    from_rfc3339(query.text(5)),
-                    time(6),
+                    query.text(4),
+                    static_cast<std::uint32_t>(query.number(5)),
+                    from_rfc3339(query.text(6)),
                     time(7),
-                    static_cast<int>(query.number(8)),
-                    query.text(9)};
+                    time(8),
+                    static_cast<int>(query.number(9)),
+                    query.text(10)};
   if (delivery.status != "pending") delivery.next_at.reset();
   return delivery;
 }
@@ -39,13 +41,19 @@ class SqliteDeliveryStore final : public DeliveryStore {
     return guarded([&]() -> Result<std::vector<Delivery>> {
       const std::scoped_lock lock(mutex_);
       const std::string time = to_rfc3339(now());
-      Query query(database_,
-                  "SELECT id, job, url, status, attempts, created_at, next_at, tried_at, http_status, detail "
-                  "FROM deliveries WHERE status = 'pending' AND next_at <= ? ORDER BY next_at");
-      query.bind(time);
+      const std::string from = last_;
+      bool around = false;
       std::vector<Delivery> found;
-      while (found.size() < most && query.step()) {
-        if (wanted(query.text(kUrlColumn))) found.push_back(read_delivery(query));
+      for (std::size_t i = 0; i < kMostReceivers && found.size() < most; ++i) {
+        std::optional<std::string> receiver = receiver_after(last_);
+        if (!receiver && !around && !last_.empty()) {
+          around = true;
+          receiver = receiver_after("");
+        }
+        if (!receiver || (around && *receiver > from)) break;
+        last_ = std::move(*receiver);
+        if (!wanted(last_)) continue;
+        if (auto delivery = oldest_of(last_, time)) found.push_back(std::move(*delivery));
       }
       return found;
     });
@@ -77,7 +85,7 @@ class SqliteDeliveryStore final : public DeliveryStore {
     return guarded([&]() -> Result<std::vector<Delivery>> {
       const std::scoped_lock lock(mutex_);
       Query query(database_,
-                  "SELECT id, job, url, status, attempts, created_at, next_at, tried_at, http_status, detail "
+                  "SELECT id, job, url, receiver, status, attempts, created_at, next_at, tried_at, http_status, detail "
                   "FROM deliveries WHERE job = ? ORDER BY seq");
       query.bind(job);
       return all(query);
@@ -85,6 +93,22 @@ class SqliteDeliveryStore final : public DeliveryStore {
   }
 
  private:
+  /// The next one, by name, for which anything is pending.
+  std::optional<std::string> receiver_after(std::string_view name) {
+    Query query(database_,
+                "SELECT receiver FROM deliveries WHERE status = 'pending' AND receiver > ? ORDER BY receiver LIMIT 1");
+    query.bind(name);
+    return query.step() ? std::optional(query.text(0)) : std::nullopt;
+  }
+
+  std::optional<Delivery> oldest_of(std::string_view receiver, std::string_view time) {
+    Query query(database_,
+                "SELECT id, job, url, receiver, status, attempts, created_at, next_at, tried_at, http_status, detail "
+                "FROM deliveries WHERE status = 'pending' AND receiver = ? AND next_at <= ? ORDER BY next_at LIMIT 1");
+    query.bind(receiver).bind(time);
+    return query.step() ? std::optional(read_delivery(query)) : std::nullopt;
+  }
+
   static std::vector<Delivery> all(Query& query) {
     std::vector<Delivery> found;
     while (query.step()) found.push_back(read_delivery(query));
@@ -93,6 +117,8 @@ class SqliteDeliveryStore final : public DeliveryStore {
 
   std::mutex mutex_;
   Database database_;
+  /// The receiver that was asked for last.
+  std::string last_;
 };
 
 }  // namespace

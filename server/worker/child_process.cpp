@@ -103,9 +103,10 @@ pid_t child_of(pid_t parent) {
   if (std::ifstream list(proc_file(parent, "task/" + std::to_string(parent) + "/children")); list) {
     return list >> found ? found : -1;
   }
-  std::error_code error;
-  for (const auto& each : std::filesystem::directory_iterator("/proc", error)) {
-    const auto pid = static_cast<pid_t>(std::strtol(each.path().filename().c_str(), nullptr, 10));
+  const auto processes = entries_of("/proc");
+  if (!processes) return -1;
+  for (const std::filesystem::path& each : *processes) {
+    const auto pid = static_cast<pid_t>(std::strtol(each.filename().c_str(), nullptr, 10));
     if (pid <= 0) continue;
     std::ifstream status(proc_file(pid, "status"));
     if (sum_of(status, {"PPid:"}) == static_cast<std::uint64_t>(parent)) return pid;

@@ -223,5 +223,15 @@ TEST_F(ArtifactsTest, a_data_directory_is_held_by_one_server) {
   EXPECT_THAT(second.error().detail, HasSubstr("in use by another surfaced"));
 }
 
+TEST(EntriesTest, are_all_that_a_folder_has_and_an_error_where_it_cannot_be_read) {
+  const testing::TemporaryDirectory directory;
+  std::ofstream(directory.path() / "a") << "x";
+  std::filesystem::create_directory(directory.path() / "b");
+  EXPECT_THAT(entries_of(directory.path()).value(),
+              ::testing::UnorderedElementsAre(directory.path() / "a", directory.path() / "b"));
+  EXPECT_EQ(entries_of(directory.path() / "a").error().code, ErrorCode::internal_error);
+  EXPECT_EQ(entries_of(directory.path() / "none").error().code, ErrorCode::internal_error);
+}
+
 }  // namespace
 }  // namespace surfaced

@@ -3,18 +3,20 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
+#include <new>
+
+#include "clouds/inspector.hpp"
 #include "jobs/sqlite_job_store.hpp"
 #include "platform/random.hpp"
+#include "support/artifacts_mock.hpp"
+#include "support/patience.hpp"
 #include "support/temporary_directory.hpp"
-#include "webhooks/address_guard.hpp"
-#include "webhooks/delivery_store.hpp"
-#include "webhooks/sender.hpp"
 
 namespace surfaced {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 class CloudsTest : public ::testing::Test {
@@ -23,18 +25,12 @@ class CloudsTest : public ::testing::Test {
     const auto file = directory_.path() / "jobs.sqlite";
     jobs_ = open_sqlite_job_store(file, {}).value();
     clouds_ = open_sqlite_cloud_store(file).value();
-    deliveries_ = open_sqlite_delivery_store(file).value();
-  }
-  std::vector<Delivery> due_now(
-      std::size_t most, const DeliveryStore::Wanted& wanted = [](const std::string&) { return true; }) {
-    return deliveries_->due(most, wanted).value();
   }
   static StoredInput cloud(char digit) { return {std::string(64, digit), 7, std::string(64, digit)}; }
-  Job submit(const StoredInput& input, const std::string& owner = "", const std::string& webhook = "") {
+  Job submit(const StoredInput& input, const std::string& owner = "") {
     NewJob job{random_hex<16>(),        "m", nlohmann::ordered_json::object(), input, {"mesh.glb"}, "r", "",
                std::chrono::seconds(60)};
     job.owner = owner;
-    job.webhook = webhook;
     return jobs_->submit(job).value();
   }
   void finish(Outcome outcome) {
@@ -48,7 +44,6 @@ class CloudsTest : public ::testing::Test {
   testing::TemporaryDirectory directory_;
   std::unique_ptr<JobStore> jobs_;
   std::unique_ptr<CloudStore> clouds_;
-  std::unique_ptr<DeliveryStore> deliveries_;
 };
 
 TEST_F(CloudsTest, a_cloud_belongs_to_all_who_sent_it_and_goes_with_the_last) {
@@ -162,6 +157,22 @@ std::vector<JobFilter> filters() {
   return all;
 }
 
+TEST_F(CloudsTest, what_is_thrown_while_a_cloud_is_read_costs_no_thread) {
+  ::testing::NiceMock<testing::ArtifactsMock> artifacts;
+  std::atomic<int> calls = 0;
+  ON_CALL(artifacts, input_file(::testing::_)).WillByDefault([&](std::string_view) -> Result<std::filesystem::path> {
+    if (++calls == 1) throw std::bad_alloc();
+    return Error{ErrorCode::internal_error, "not to be had"};
+  });
+  ASSERT_TRUE(clouds_->add(cloud('a'), "me").ok());
+  const SideTask task(artifacts, {"/nonexistent"}, {});
+  CloudInspector inspector(*clouds_, artifacts, task);
+  inspector.start();
+  EXPECT_TRUE(testing::eventually([&] { return calls > 0; }));
+  inspector.wake();
+  EXPECT_TRUE(testing::eventually([&] { return calls > 1; }));
+}
+
 TEST_F(CloudsTest, pages_by_any_filter_have_the_jobs_that_a_look_at_each_finds) {
   const std::vector<std::string> methods{"a", "b", "c"};
   for (std::size_t i = 0; i < 40; ++i) {
@@ -184,114 +195,6 @@ TEST_F(CloudsTest, pages_by_any_filter_have_the_jobs_that_a_look_at_each_finds) 
     }
     EXPECT_EQ(listed(*jobs_, filter), expected);
   }
-}
-
-TEST_F(CloudsTest, the_end_of_a_job_stands_in_the_outbox_with_its_state) {
-  const Job told = submit({random_hex<16>(), 1, "x"}, "", "https://example.org/hook");
-  EXPECT_THAT(due_now(10), IsEmpty());
-  finish(Outcome::method_failed);
-  submit({random_hex<16>(), 1, "x"});
-  finish(Outcome::done);
-  auto due = due_now(10);
-  ASSERT_EQ(due.size(), 1U);
-  EXPECT_EQ(due.front().job, told.id);
-  due.front().attempts = 1;
-  due.front().next_at = now() + std::chrono::hours(1);
-  due.front().detail = "nobody there";
-  ASSERT_TRUE(deliveries_->tried(due.front()).ok());
-  EXPECT_THAT(due_now(10), IsEmpty());
-  EXPECT_EQ(deliveries_->of_job(told.id).value().front().detail, "nobody there");
-}
-
-TEST_F(CloudsTest, deliveries_that_nobody_waits_for_do_not_stand_in_the_way_of_others) {
-  for (const char* url : {"https://slow.example/a", "https://slow.example/b", "https://quick.example/c"}) {
-    submit({random_hex<16>(), 1, "x"}, "", url);
-    finish(Outcome::done);
-  }
-  const auto due = due_now(1, [](const std::string& url) { return Receivers::name_of(url) != "slow.example"; });
-  ASSERT_EQ(due.size(), 1U);
-  EXPECT_EQ(due.front().url, "https://quick.example/c");
-}
-
-TEST(ReceiversTest, each_has_one_delivery_at_a_time_and_each_address_its_share) {
-  Receivers receivers({4, 2});
-  EXPECT_EQ(Receivers::name_of("https://Hook.Example:443/a?b"), Receivers::name_of("https://hook.example"));
-  EXPECT_NE(Receivers::name_of("https://hook.example:8443/"), Receivers::name_of("https://hook.example/"));
-  for (const char* name : {"a", "b", "c"}) {
-    EXPECT_TRUE(receivers.is_free(name));
-    receivers.take(name);
-    EXPECT_FALSE(receivers.is_free(name));
-  }
-  EXPECT_EQ(receivers.room(), 1U);
-  EXPECT_TRUE(receivers.settle("a", "2001:db8::1"));
-  EXPECT_TRUE(receivers.settle("b", "2001:db8::2"));
-  EXPECT_FALSE(receivers.settle("c", "2001:db8::3")) << "the third name of one network";
-  receivers.leave("c");
-  EXPECT_FALSE(receivers.is_free("c")) << "as long as the others are told";
-  EXPECT_TRUE(receivers.is_free("d"));
-  receivers.leave("a");
-  EXPECT_TRUE(receivers.is_free("a"));
-  EXPECT_TRUE(receivers.is_free("c"));
-  EXPECT_EQ(receivers.room(), 3U);
-}
-
-TEST(WebhookTest, nobody_learns_which_names_there_are_here) {
-  const std::string inside = resolve_target("https://localhost/", false).error().detail;
-  // A label of 64 characters is asked of nobody.
-  const std::string unknown = std::string(64, 'a') + ".invalid";
-  const std::string nowhere = resolve_target("https://" + unknown + "/", false).error().detail;
-  const auto without = [](std::string text, const std::string& name) {
-    return text.erase(text.find(name), name.size());
-  };
-  EXPECT_EQ(without(inside, "localhost"), without(nowhere, unknown));
-}
-
-TEST(WebhookTest, only_addresses_that_the_internet_routes_are_public) {
-  for (const char* address : {"93.184.216.34", "8.8.8.8", "2606:2800:220:1:248:1893:25c8:1946"}) {
-    EXPECT_TRUE(is_public_address(address)) << address;
-  }
-  for (const char* address : {"127.0.0.1",
-                              "10.1.2.3",
-                              "172.31.0.1",
-                              "192.168.1.1",
-                              "169.254.169.254",
-                              "100.64.0.1",
-                              "0.0.0.0",
-                              "224.0.0.1",
-                              "255.255.255.255",
-                              "198.18.0.1",
-                              "::1",
-                              "::",
-                              "fe80::1",
-                              "fc00::1",
-                              "ff02::1",
-                              "::ffff:127.0.0.1",
-                              "64:ff9b::a00:1",
-                              "2002:7f00:1::",
-                              "2001:db8::1",
-                              "2001::1",
-                              "localhost",
-                              "",
-                              "127.1"}) {
-    EXPECT_FALSE(is_public_address(address)) << address;
-  }
-}
-
-TEST(WebhookTest, targets_are_https_and_public) {
-  for (const char* url : {"http://8.8.8.8/", "https://user@8.8.8.8/", "https://127.0.0.1/", "https://[::1]/",
-                          "https://localhost/", "https://0x7f000001/", "ftp://8.8.8.8/", "nonsense", "https://"}) {
-    EXPECT_FALSE(resolve_target(url, false).ok()) << url;
-  }
-  EXPECT_EQ(resolve_target("https://8.8.8.8/hook", false).value().address, "8.8.8.8");
-  EXPECT_EQ(resolve_target("https://127.0.0.1:8443/hook", true).value().port, "8443");
-}
-
-TEST(WebhookTest, signatures_are_those_of_the_standard) {
-  // echo -n 'id.1.{}' | openssl dgst -sha256 -hmac secret -binary | base64
-  EXPECT_EQ(webhook_signature("secret", "id", "1", "{}"), "v1,490pAcC1LQ1k1cOcmH0da199+A88OKCj0Io4WnJlp68=");
-  EXPECT_NE(webhook_signature("secret", "id", "1", "{}"), webhook_signature("secret", "id", "2", "{}"));
-  EXPECT_EQ(retry_after(1), std::chrono::seconds(5));
-  EXPECT_EQ(retry_after(7), std::nullopt);
 }
 
 }  // namespace

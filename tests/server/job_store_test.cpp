@@ -7,6 +7,7 @@
 
 #include "jobs/sqlite_job_store.hpp"
 #include "platform/random.hpp"
+#include "support/change_store.hpp"
 #include "support/patience.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -43,13 +44,7 @@ class JobStoreTest : public ::testing::Test {
   }
   Job find(const std::string& id) { return store_->find(id).value(); }
 
-  void change(const char* sql, const std::filesystem::path& where) {
-    sqlite3* database = nullptr;
-    ASSERT_EQ(sqlite3_open(where.c_str(), &database), SQLITE_OK);
-    char* wrong = nullptr;
-    EXPECT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, &wrong), SQLITE_OK) << wrong;
-    sqlite3_close(database);
-  }
+  static void change(const char* sql, const std::filesystem::path& where) { testing::change_store(where, sql); }
   void change(const char* sql) { change(sql, file()); }
 
   /// The tables as the first version made them, with a job of every kind.

@@ -8,6 +8,7 @@
 
 #include "jobs/sqlite_job_store.hpp"
 #include "platform/random.hpp"
+#include "support/artifacts_mock.hpp"
 #include "support/patience.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -15,28 +16,9 @@ namespace surfaced {
 namespace {
 
 using ::testing::_;
+using testing::ArtifactsMock;
 using ::testing::HasSubstr;
 using ::testing::NiceMock;
-using Reader = Result<std::unique_ptr<OutputReader>>;
-
-class ArtifactsMock : public ArtifactStore {
- public:
-  MOCK_METHOD(Result<std::unique_ptr<Upload>>, begin_upload, (), (override));
-  MOCK_METHOD(Result<std::filesystem::path>, input_file, (std::string_view), (override));
-  MOCK_METHOD(bool, has_input, (std::string_view, std::uint64_t), (override));
-  MOCK_METHOD(Result<std::filesystem::path>, begin_attempt, (const Claim&), (override));
-  MOCK_METHOD(Result<std::vector<Output>>, publish, (const Claim&, std::span<const std::string>), (override));
-  MOCK_METHOD(void, discard, (const Claim&), (override));
-  MOCK_METHOD(Result<std::filesystem::path>, output_file, (const Claim&, std::string_view), (override));
-  MOCK_METHOD(Reader, open_output, (const Claim&, std::string_view), (override));
-  MOCK_METHOD(Reader, open_log, (const Claim&), (override));
-  MOCK_METHOD(void, remove, (const Artifacts&), (override));
-  MOCK_METHOD(Result<std::size_t>, sweep, (const Artifacts&), (override));
-  MOCK_METHOD(Result<Artifacts>, listing, (), (override));
-  MOCK_METHOD(Status, belong_to, (std::string_view), (override));
-  MOCK_METHOD(Status, check_space, (std::uint64_t), (override));
-  MOCK_METHOD(std::uint64_t, free_bytes, (), (override));
-};
 
 class RenditionsTest : public ::testing::Test {
  protected:
@@ -98,7 +80,7 @@ TEST_F(RenditionsTest, what_is_thrown_ends_the_order_and_not_the_server) {
 
 TEST_F(RenditionsTest, no_mesh_is_made_without_the_report_that_belongs_into_it) {
   EXPECT_CALL(artifacts_, open_output(_, std::string_view("report.json"))).WillOnce([](const Claim&, std::string_view) {
-    return Reader(Error{ErrorCode::internal_error, "EMFILE"});
+    return ArtifactsMock::Reader(Error{ErrorCode::internal_error, "EMFILE"});
   });
   EXPECT_CALL(artifacts_, begin_attempt(_)).Times(0);
   renditions_.start();

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
+#include <new>
 #include <optional>
 #include <thread>
 
@@ -25,10 +27,10 @@ class SchedulerTest : public ::testing::Test {
     artifacts_ = open_file_artifact_store(directory_.path(), 0).value();
     start();
   }
-  void start() {
+  void start(unsigned workers = 2, std::function<void(const Scheduler::Ended&)> ended = {}) {
     const AttemptLimits limits{std::uint64_t{256} << 20, 1000, std::uint64_t{1} << 30, std::chrono::seconds(300), 1};
     scheduler_.emplace(*jobs_, *artifacts_, events_, runner_,
-                       Scheduler::Options{2, limits, std::chrono::seconds(10), {}});
+                       Scheduler::Options{workers, limits, std::chrono::seconds(10), std::move(ended)});
     scheduler_->start();
   }
   std::string submit(const std::string& behaviour) {
@@ -68,6 +70,22 @@ TEST_F(SchedulerTest, a_job_ends_with_its_three_outputs) {
   EXPECT_EQ(job.status, JobStatus::successful);
   EXPECT_EQ(job.outputs.size(), 3U);
   EXPECT_EQ(attempts_on_disk(), 0U);
+}
+
+TEST_F(SchedulerTest, what_is_thrown_at_the_end_of_an_attempt_costs_its_job_another_attempt_and_no_thread) {
+  scheduler_.reset();
+  std::atomic<int> ends = 0;
+  const std::string first = submit("done");
+  const std::string second = submit("done");
+  start(1, [&](const Scheduler::Ended&) {
+    if (++ends <= 2) throw std::bad_alloc();
+  });
+  EXPECT_TRUE(testing::eventually([&] { return ends == 2; })) << "one worker had both";
+  EXPECT_EQ(jobs_->find(first).value().status, JobStatus::running) << "until its lease is over";
+  EXPECT_EQ(jobs_->recover().value(), 2U);
+  scheduler_->wake();
+  EXPECT_EQ(wait_for_end(first).status, JobStatus::successful);
+  EXPECT_EQ(wait_for_end(second).status, JobStatus::successful);
 }
 
 TEST_F(SchedulerTest, a_job_that_crashes_once_succeeds_at_the_second_attempt) {

@@ -3,13 +3,18 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <fstream>
+#include <new>
 
 #include "api/upload_headers.hpp"
 #include "artifacts/backup_lease.hpp"
 #include "jobs/sqlite_job_store.hpp"
 #include "platform/files.hpp"
+#include "support/artifacts_mock.hpp"
+#include "support/patience.hpp"
 #include "support/temporary_directory.hpp"
+#include "uploads/finishing.hpp"
 
 namespace surfaced {
 namespace {
@@ -159,6 +164,46 @@ TEST_F(UploadsTest, uploads_that_a_version_before_kept_as_files_go_on) {
   EXPECT_EQ(content(id), "abcdefghij");
   EXPECT_EQ(jobs_->holding_of("me").value().bytes, 10U);
   EXPECT_FALSE(std::filesystem::exists(directory_.path() / "partial" / (id + ".json")));
+}
+
+TEST_F(UploadsTest, a_record_that_cannot_be_read_stays_with_its_bytes_through_starts_and_sweeps) {
+  const std::string id(32, 'b');
+  const auto record = directory_.path() / "partial" / (id + ".json");
+  const std::string whole = R"({"id":")" + id + R"(","owner":"me","length":10,"offset":4,"metadata":"","cloud":"",)" +
+                            R"("created_at":"2026-01-01T00:00:00Z","expires_at":"2999-01-01T00:00:00Z","gone":false})";
+  const std::string strange = R"({"id":"../)" + whole.substr(10);
+  for (const std::string& damaged : {std::string(), whole.substr(0, 60), std::string("[]"), strange}) {
+    std::ofstream(record) << damaged;
+    std::ofstream(bytes_of(id)) << "abcd";
+    open({std::chrono::hours(1)});
+    store_->sweep();
+    EXPECT_EQ(std::filesystem::file_size(record), damaged.size());
+    ASSERT_TRUE(std::filesystem::exists(bytes_of(id))) << damaged;
+    EXPECT_EQ(std::filesystem::file_size(bytes_of(id)), 4U);
+  }
+  std::ofstream(record) << whole;
+  open({std::chrono::hours(1)});
+  EXPECT_EQ(content(id), "abcd") << "once it was mended it goes on";
+}
+
+TEST_F(UploadsTest, what_is_thrown_while_an_upload_is_finished_costs_no_thread) {
+  const std::string id = begin(4);
+  append(id, "abcd");
+  ::testing::NiceMock<testing::ArtifactsMock> artifacts;
+  std::atomic<int> calls = 0;
+  ON_CALL(artifacts, check_space(::testing::_)).WillByDefault([&](std::uint64_t) -> Status {
+    if (++calls == 1) throw std::bad_alloc();
+    return Error{ErrorCode::storage_full, "full"};
+  });
+  const auto clouds = open_sqlite_cloud_store(directory_.path() / "jobs.sqlite").value();
+  const SideTask task(artifacts, {"/nonexistent"}, {});
+  CloudInspector inspector(*clouds, artifacts, task);
+  CloudService service(*clouds, artifacts, inspector);
+  UploadFinishing finishing(*store_, artifacts, service);
+  finishing.start();
+  EXPECT_TRUE(testing::eventually([&] { return calls > 0; }));
+  finishing.wake();
+  EXPECT_TRUE(testing::eventually([&] { return calls > 1; }));
 }
 
 TEST(UploadHeadersTest, checksums_have_an_algorithm_and_its_length) {

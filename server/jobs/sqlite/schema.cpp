@@ -216,6 +216,15 @@ CREATE TRIGGER release_upload AFTER DELETE ON uploads WHEN OLD.cloud = '' AND OL
   UPDATE holdings SET bytes = bytes - OLD.length WHERE owner = OLD.owner;
 END;
 )sql",
+    // Who a delivery goes to, host and port of its URL (`https://` has 8 characters), so that each receiver's next one
+    // is found without a look at all that others wait for.
+    R"sql(
+ALTER TABLE deliveries ADD COLUMN receiver TEXT GENERATED ALWAYS AS (lower(replace(
+  substr(url, 9, min(instr(substr(url, 9) || '/', '/'), instr(substr(url, 9) || '?', '?'),
+    instr(substr(url, 9) || '#', '#')) - 1) || '/', ':443/', '/'))) VIRTUAL;
+DROP INDEX deliveries_due;
+CREATE INDEX deliveries_receiver ON deliveries (receiver, next_at) WHERE status = 'pending';
+)sql",
 });
 
 }  // namespace
