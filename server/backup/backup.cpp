@@ -94,12 +94,15 @@ Status copy_file(const fs::path& from, const fs::path& to, std::uint64_t bytes) 
 
 /// Makes durable which files are in a folder, and in every folder below.
 Status sync_folders(const fs::path& folder) {
-  std::error_code error;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
-    if (!entry.is_directory()) continue;
-    if (Status synced = sync_directory(entry.path()); !synced.ok()) return synced;
+  const auto entries = entries_of(folder);
+  if (!entries) return entries.error();
+  for (const fs::path& entry : *entries) {
+    std::error_code error;
+    const fs::file_status status = fs::symlink_status(entry, error);
+    if (error) return system_error("look at " + entry.string(), error.value());
+    if (status.type() != fs::file_type::directory) continue;
+    if (Status synced = sync_folders(entry); !synced.ok()) return synced;
   }
-  if (error) return system_error("list " + folder.string(), error.value());
   return sync_directory(folder);
 }
 
@@ -222,6 +225,32 @@ Result<Manifest> read_manifest(const fs::path& backup) {
   }
 }
 
+Error wrong_target(const fs::path& target, const std::string& why) {
+  return with_fault({ErrorCode::invalid_usage, "'" + target.string() + "'" + why},
+                    {"TARGET", target.string(), "a folder that is empty or not there yet, outside of --data"});
+}
+
+/// A service removes what it finds in its folder and does not know: no backup would stay there.
+bool is_within(const fs::path& inner, const fs::path& outer) {
+  std::error_code error;
+  const fs::path below = fs::weakly_canonical(inner, error);
+  const fs::path above = fs::weakly_canonical(outer, error);
+  return !above.empty() && std::ranges::mismatch(above, below).in1 == above.end();
+}
+
+Status check_target(const fs::path& target, const fs::path& data) {
+  std::error_code error;
+  if (target.empty()) return wrong_target(target, " is no name");
+  if (is_within(target, data)) return wrong_target(target, " lies in the folder that is to be copied");
+  // A link to nothing is there, too.
+  if (fs::symlink_status(target, error).type() == fs::file_type::not_found) return Done{};
+  if (!fs::is_directory(target, error)) return wrong_target(target, " is no folder");
+  const bool empty = fs::is_empty(target, error);
+  if (error) return wrong_target(target, " cannot be read: " + error.message());
+  if (!empty) return wrong_target(target, " is not empty");
+  return Done{};
+}
+
 Status sync_file(const fs::path& file) {
   const UniqueFd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   if (!fd || ::fsync(fd.get()) != 0) return system_error("make " + file.string() + " durable", errno);
@@ -231,13 +260,8 @@ Status sync_file(const fs::path& file) {
 }  // namespace
 
 Result<BackupContents> back_up(const fs::path& data, const fs::path& target) {
+  if (Status right = check_target(target, data); !right.ok()) return right.error();
   std::error_code error;
-  const bool taken = fs::exists(target, error) && !fs::is_empty(target, error);
-  if (taken || error) {
-    return with_fault({ErrorCode::invalid_usage,
-                       "'" + target.string() + "' " + (error ? "cannot be used: " + error.message() : "is not empty")},
-                      {"TARGET", target.string(), "a folder that is empty or not there yet"});
-  }
   const char* const kService = "a folder on which a service was started";
   if (!fs::exists(data / kRecords, error)) {
     return with_fault({ErrorCode::invalid_usage, "there is no job store at '" + (data / kRecords).string() + "'"},
@@ -247,6 +271,7 @@ Result<BackupContents> back_up(const fs::path& data, const fs::path& target) {
     return with_fault({ErrorCode::invalid_usage, "no service was ever started on '" + data.string() + "'"},
                       {"--data", data.string(), kService});
   }
+  if (Status made = make_directory(target); !made.ok()) return wrong_target(target, ": " + made.error().detail);
   const auto recorded = copy_all(data, target);
   if (!recorded) return recorded.error();
   if (Status synced = sync_file(target / kUnfinishedRecords); !synced.ok()) return synced.error();

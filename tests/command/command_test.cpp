@@ -99,7 +99,7 @@ TEST_F(Command, tells_people_at_a_terminal_what_is_wrong_where_what_is_allowed_a
       {"keys lst", 2, {"'lst' is no command", "Did you mean 'list'?"}},
       {"keys add k.json --name n --stored-bytes 5x", 2, {"where     --stored-bytes", "1.5 GB"}},
       {"backup " + here, 2, {"where     --data"}},
-      {"backup " + here + " --data " + here, 2, {"where     TARGET", "is not empty"}},
+      {"backup " + here + " --data " + here, 2, {"where     TARGET", "lies in the folder that is to be copied"}},
   };
   for (const Case& each : cases) {
     const auto [code, seen] = at_a_terminal(folder_, each.arguments);

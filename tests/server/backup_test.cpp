@@ -148,6 +148,49 @@ TEST_F(BackupTest, backups_that_are_made_while_everything_is_removed_are_whole) 
   service.join();
 }
 
+TEST_F(BackupTest, a_target_that_cannot_hold_a_backup_is_named_and_nothing_is_written) {
+  finish_a_job();
+  const auto here = directory_.path();
+  std::ofstream(here / "empty file").close();
+  std::ofstream(here / "file") << "x";
+  std::filesystem::create_directory(here / "full");
+  std::ofstream(here / "full/x") << "x";
+  std::filesystem::create_symlink(here / "none", here / "dangling");
+  std::filesystem::create_symlink(data(), here / "other name");
+  const auto count = [&] {
+    const std::filesystem::recursive_directory_iterator all(here);
+    return std::distance(begin(all), end(all));
+  };
+  const auto before = count();
+  for (const std::filesystem::path& target :
+       {std::filesystem::path(), here / "empty file", here / "file", here / "file/x", here / "full", here / "dangling",
+        data(), data() / "copy", data() / "inputs", data() / "none/copy", data() / "../data/copy",
+        here / "other name/copy", here / std::string(300, 'a'), std::filesystem::path("/proc/none"),
+        std::filesystem::path("/dev/null")}) {
+    const auto made = back_up(data(), target);
+    ASSERT_FALSE(made.ok()) << target;
+    EXPECT_EQ(made.error().code, ErrorCode::invalid_usage) << target << made.error().detail;
+    EXPECT_EQ(made.error().fault->field, "TARGET") << target;
+  }
+  EXPECT_EQ(count(), before);
+  EXPECT_TRUE(back_up(data(), here / "new/folder").ok());
+}
+
+TEST_F(BackupTest, a_folder_that_is_no_data_folder_is_named_and_no_target_made) {
+  const auto here = directory_.path();
+  std::ofstream(here / "file") << "x";
+  std::filesystem::create_directory(here / "empty");
+  for (const std::filesystem::path& data :
+       {here / "none", here / "file", here / "empty", here / std::string(300, 'a')}) {
+    const auto made = back_up(data, copy());
+    ASSERT_FALSE(made.ok()) << data;
+    EXPECT_EQ(made.error().code, ErrorCode::invalid_usage) << data << made.error().detail;
+    EXPECT_EQ(made.error().fault->field, "--data") << data;
+    EXPECT_THAT(damage(verify_backup(data)), HasSubstr("no finished backup")) << data;
+  }
+  EXPECT_FALSE(std::filesystem::exists(copy()));
+}
+
 TEST_F(BackupTest, a_data_folder_whose_files_are_not_what_its_records_say_makes_no_backup) {
   const Job job = finish_a_job();
   const auto mesh = data() / mesh_of(job);
