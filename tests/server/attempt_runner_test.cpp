@@ -110,7 +110,9 @@ TEST_F(AttemptRunnerTest, an_exit_without_a_reason_is_a_crash) {
 
 TEST_F(AttemptRunnerTest, a_child_that_allocates_without_end_meets_its_limit) {
   if (testing::measuring_is_moot()) GTEST_SKIP() << "the limit of memory is off under a sanitizer";
-  EXPECT_EQ(run("allocate").outcome, Outcome::out_of_memory);
+  const AttemptResult result = run("allocate");
+  EXPECT_EQ(result.outcome, Outcome::out_of_memory);
+  EXPECT_EQ(result.error->detail, "as the test asked") << "the kernel refuses before the server looks";
 }
 
 TEST_F(AttemptRunnerTest, memory_that_no_limit_of_the_kernel_counts_is_counted_by_the_server) {
@@ -156,8 +158,27 @@ TEST_F(AttemptRunnerTest, a_socket_another_program_or_a_look_into_another_proces
 
 TEST_F(AttemptRunnerTest, a_child_sees_no_file_but_its_own) {
   if (run("done"); log_text().find("no landlock") != std::string::npos) GTEST_SKIP() << "this kernel has no Landlock";
-  EXPECT_EQ(run("try read a file").outcome, Outcome::done);
-  EXPECT_EQ(run("try write a file").outcome, Outcome::done);
+  // By Landlock alone, and where there is a namespace of mounts too.
+  const AttemptRunner without({SURFACED_STAND_IN}, ChildProcess::Namespaces::shared);
+  for (const AttemptRunner* runner : {&without, static_cast<const AttemptRunner*>(&runner_)}) {
+    EXPECT_EQ(run("try read a file", *runner).outcome, Outcome::done) << log_text();
+    EXPECT_EQ(run("try write a file", *runner).outcome, Outcome::done) << log_text();
+  }
+}
+
+TEST_F(AttemptRunnerTest, a_job_that_is_removed_while_it_starts_takes_the_namespaces_from_no_other) {
+  run("done");
+  constexpr const char* kContained = "namespaces of user";
+  if (log_text().find(kContained) == std::string::npos) GTEST_SKIP() << "none on this machine: " << log_text();
+  for (auto removed : {&AttemptSpec::cloud, &AttemptSpec::directory}) {
+    AttemptSpec spec = spec_for("done");
+    spec.*removed = directory_.path() / "removed";
+    std::filesystem::remove(directory_.path() / "log.txt");
+    auto log = AttemptLog::create(directory_.path() / "log.txt").value();
+    EXPECT_NE(runner_.run(spec, *stop_, log, [](double, std::string_view) {}).outcome, Outcome::done);
+    EXPECT_EQ(run("done").outcome, Outcome::done);
+    EXPECT_THAT(log_text(), HasSubstr(kContained));
+  }
 }
 
 TEST_F(AttemptRunnerTest, root_works_in_folders_that_only_root_reaches) {

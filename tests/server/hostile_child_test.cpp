@@ -8,6 +8,7 @@
 #include <atomic>
 #include <csignal>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <thread>
 
@@ -60,6 +61,7 @@ class HostileChildTest : public ::testing::TestWithParam<Namespaces> {
     return ending;
   }
   Ending run(const std::string& behaviour) { return run(behaviour, StopSignal()); }
+  static bool contained(const Ending& ending) { return ending.log.find("namespaces of user") != std::string::npos; }
 
   testing::TemporaryDirectory directory_;
   AttemptLimits limits_{std::uint64_t{256} << 20, 1000, std::uint64_t{16} << 20, std::chrono::seconds(60), 1};
@@ -126,14 +128,33 @@ TEST_P(HostileChildTest, files_that_it_removes_while_they_are_open_are_counted_t
 }
 
 TEST_P(HostileChildTest, its_threads_are_bounded) {
+  // Their stacks are not what it meets first.
+  limits_.memory_bytes = std::uint64_t{8} << 30;
   const Ending ending = run("hostile threads");
   const std::string& detail = ending.result.error->detail;
-  // By the server's look, or by the kernel where a user namespace of a user counts.
-  if (ending.result.outcome == Outcome::method_failed) {
+  // By the kernel where a user namespace of a user counts, else by the server's look.
+  if (contained(ending) && ::geteuid() != 0) {
+    EXPECT_EQ(ending.result.outcome, Outcome::method_failed);
     EXPECT_LE(std::stoull(detail), most_threads(limits_));
   } else {
     EXPECT_EQ(ending.result.outcome, Outcome::crashed);
     EXPECT_THAT(detail, HasSubstr("threads"));
+  }
+}
+
+TEST_P(HostileChildTest, its_limits_are_set_before_its_work_begins) {
+  const Ending ending = run("hostile limits");
+  std::map<std::string, std::uint64_t> limits;
+  std::istringstream words(ending.result.error->detail);
+  for (std::string name; words >> name;) words >> limits[name];
+  const std::map<std::string, std::uint64_t> expected{{"DATA", limits_.memory_bytes},
+                                                      {"FSIZE", limits_.file_bytes},
+                                                      {"NOFILE", 64},
+                                                      {"CORE", 0},
+                                                      {"CPU", limits_.time.count()}};
+  for (const auto& [name, limit] : expected) EXPECT_EQ(limits[name], limit) << name;
+  if (contained(ending)) {
+    EXPECT_EQ(limits["NPROC"], most_threads(limits_) + 1) << "of the only user of its namespace";
   }
 }
 

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/ptrace.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -125,12 +126,27 @@ int hide_files_without_end(const AttemptSpec& spec) {
 int start_threads_without_end() {
   pthread_attr_t small;
   pthread_attr_init(&small);
-  pthread_attr_setstacksize(&small, std::size_t{1} << 15);
+  pthread_attr_setstacksize(&small, std::size_t{1} << 20);
   const auto idle = [](void*) -> void* { sleep_for_ever(); };
   pthread_t thread{};
   int count = 0;
   while (pthread_create(&thread, &small, idle, nullptr) == 0) ++count;
   send(encode(Error{ErrorCode::method_failed, std::to_string(count)}));
+  return exit_code_of(ErrorCode::method_failed);
+}
+
+/// Tells the limits that the kernel holds it to.
+int tell_limits() {
+  const std::initializer_list<std::pair<const char*, __rlimit_resource_t>> kinds{
+      {"DATA", RLIMIT_DATA}, {"FSIZE", RLIMIT_FSIZE}, {"NOFILE", RLIMIT_NOFILE},
+      {"CORE", RLIMIT_CORE}, {"CPU", RLIMIT_CPU},     {"NPROC", RLIMIT_NPROC}};
+  std::string told;
+  for (const auto& [name, kind] : kinds) {
+    rlimit limit{};
+    if (::getrlimit(kind, &limit) == 0)
+      told.append(name).append(" ").append(std::to_string(limit.rlim_cur)).append(" ");
+  }
+  send(encode(Error{ErrorCode::method_failed, told}));
   return exit_code_of(ErrorCode::method_failed);
 }
 
@@ -152,6 +168,7 @@ int hostile(const std::string& how, const AttemptSpec& spec) {
   if (how == "bytes") return make_two_large_files(spec);
   if (how == "hidden files") return hide_files_without_end(spec);
   if (how == "threads") return start_threads_without_end();
+  if (how == "limits") return tell_limits();
   if (how == "words") return speak_without_end();
   if (how == "reach out") return reach_out(spec);
   if (how == "look around") return testing::sees_other_files() ? 7 : succeed(spec);
