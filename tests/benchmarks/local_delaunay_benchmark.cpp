@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // local-delaunay, from points in memory to a mesh in memory, beside CGAL's Delaunay triangulation and advancing front,
-// and its neighbour search beside nanoflann: on the scans of ../shared/data (where present), a bumpy sphere and a torus
+// and its neighbour search beside nanoflann: on the scans of ./dev data (where present), a bumpy sphere and a torus
 // sampled evenly; in the order of the file and shuffled.
 //   ./dev bench local_delaunay
 // `delaunays` is the best time in serial Delaunay triangulations by CGAL of the same points in the same order and run,

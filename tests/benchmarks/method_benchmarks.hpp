@@ -11,7 +11,7 @@
 
 namespace surfaced::benchmarks {
 
-/// Whether ../shared/data has the scan.
+/// Whether SURFACED_TEST_DATA has the scan.
 bool have_scan(const std::string& name);
 
 /// A cloud by name: a scan, or torus or bumpy followed by the number of points; then perhaps _shuffled. Keeps one

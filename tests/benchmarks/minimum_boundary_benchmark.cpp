@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // minimum-boundary, from points in memory to a mesh in memory, beside CGAL's Delaunay triangulation, which is the unit
-// of its speed, and CGAL's advancing front: on scans of ../shared/data (where present), random points of a bumpy torus,
+// of its speed, and CGAL's advancing front: on scans of ./dev data (where present), random points of a bumpy torus,
 // which stands for free-form surfaces, and of an exact torus, the worst case: many points lie on common spheres.
 //   ./dev bench minimum_boundary        build/release/minimum_boundary_benchmark --benchmark_filter=igea
 // `delaunays` is the best time in serial triangulations by CGAL (range insertion with its own spatial sorting, the best

@@ -186,11 +186,11 @@ describe('packed GLBs', () => {
   }
 });
 
-describe('the clouds of shared/data', () => {
+describe('the clouds that ./dev data fetches', () => {
   const folder = process.env.SURFACED_SHARED_DATA ?? '';
   const names = existsSync(folder) ? readdirSync(folder).filter((name) => /\.(ply|drc)$/.test(name)) : [];
 
-  test('are there', { skip: names.length === 0 && 'shared/data is not there' }, () => assert.ok(names.length > 0));
+  test('are there', { skip: names.length === 0 && './dev data fetches them' }, () => assert.ok(names.length > 0));
 
   for (const name of names) {
     test(`${name} becomes a GLB that the validator passes and three.js counts as the report does`, async () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The clouds of ../shared/data, which need not be there.
+// The clouds that ./dev data fetches, which need not be there.
 #pragma once
 
 #include <filesystem>
