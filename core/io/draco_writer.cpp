@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <memory>
 
 #include "io/formats.hpp"
@@ -16,11 +17,11 @@ using draco::GeometryAttribute;
 
 /// Least and most effort of Draco; in between it decides by speed which predictions it tries.
 constexpr int kSpeed = 3;
+/// Bits of a float32. On a finer grid Draco would count how often each step occurs, in a table of all steps: 4 GB for
+/// 30 bits.
+constexpr int kMostQuantised = std::numeric_limits<float>::digits;
 /// Bytes before the triangles: header and two counts.
 constexpr std::size_t kMostHeader = 11 + 5 + 5;
-/// For values of more bits the library counts in 4 * 2^bits bytes how often each occurs, though they be few: 4 GB
-/// at 30.
-constexpr int kMostCountedBits = 22;
 
 /// Adds an attribute with a value per point, in the points' order.
 template <class T, std::size_t N>
@@ -56,8 +57,7 @@ draco::Status encode(const draco::Mesh& mesh, std::optional<int> bits, draco::En
   encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
   encoder.SetSpeedOptions(kSpeed, kSpeed);
   encoder.options().SetGlobalBool("compress_connectivity", true);
-  if (bits) encoder.SetAttributeQuantization(GeometryAttribute::POSITION, *bits);
-  if (bits > kMostCountedBits) encoder.options().SetGlobalBool("use_built_in_attribute_compression", false);
+  if (bits && *bits <= kMostQuantised) encoder.SetAttributeQuantization(GeometryAttribute::POSITION, *bits);
   return encoder.EncodeMeshToBuffer(mesh, &buffer);
 }
 

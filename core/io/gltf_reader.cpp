@@ -26,7 +26,7 @@ using Json = nlohmann::json;
 /// more than these per byte are refused; a small file may ask for as many as one of 64 KiB.
 constexpr std::uint64_t kVerticesPerByte = 2;
 constexpr std::uint64_t kTrianglesPerByte = 4;
-constexpr std::uint64_t kSmallFile = std::uint64_t{1} << 16;
+constexpr std::uint64_t kSmallGltf = std::uint64_t{1} << 16;
 
 constexpr std::string_view kQuantizationExtension = "KHR_mesh_quantization";
 constexpr std::string_view kDracoExtension = "KHR_draco_mesh_compression";
@@ -54,9 +54,9 @@ class SceneReader {
   SceneReader(const GltfDocument& document, std::size_t file_size, Taken taken, std::vector<std::string>& warnings)
       : document_(document),
         taken_(taken),
-        most_vertices_(std::min<std::uint64_t>(kVerticesPerByte * std::max<std::uint64_t>(file_size, kSmallFile),
+        most_vertices_(std::min<std::uint64_t>(kVerticesPerByte * std::max<std::uint64_t>(file_size, kSmallGltf),
                                                VertexIndex::kNone)),
-        most_triangles_(kTrianglesPerByte * std::max<std::uint64_t>(file_size, kSmallFile)),
+        most_triangles_(kTrianglesPerByte * std::max<std::uint64_t>(file_size, kSmallGltf)),
         warnings_(warnings) {}
 
   /// Triangles, whether or not they are taken.

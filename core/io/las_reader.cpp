@@ -15,7 +15,7 @@ constexpr std::size_t kHeader = 227;    // 1.2
 constexpr std::size_t kHeader13 = 235;  // 1.3
 constexpr std::size_t kHeader14 = 375;  // 1.4
 /// Records converted at once.
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kRecordsAtOnce = 4096;
 
 /// Least length of a point record by its format, and where its colour stands (0: nowhere).
 struct Record {
@@ -142,7 +142,7 @@ class LasReader {
     if (header.color != 0) colors.resize(cloud.size());
     for (std::size_t done = 0; done < cloud.size();) {
       const std::span<const std::byte> window = source_.peek(header.stride);
-      const std::size_t count = std::min({window.size() / header.stride, kBlock, cloud.size() - done});
+      const std::size_t count = std::min({window.size() / header.stride, kRecordsAtOnce, cloud.size() - done});
       if (count == 0) return truncated("the file ends within point " + std::to_string(done));
       for (std::size_t i = 0; i < count; ++i) {
         const std::byte* const record = window.data() + i * header.stride;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMostProperties = 4096;
 /// Points taken apart or put together at once.
-constexpr std::size_t kBlock = 1024;
+constexpr std::size_t kRowsAtOnce = 1024;
 /// What decompressing may take: this much, and this much for every byte of the file.
 constexpr std::uint64_t kMostUnpacked = std::uint64_t{64} << 20;
 constexpr std::uint64_t kUnpackedPerByte = 16;
@@ -220,7 +220,7 @@ class PcdReader {
     for (std::uint64_t done = 0; done < header_.points;) {
       const std::span<const std::byte> window = source_.peek(stride);
       const auto count = static_cast<std::size_t>(
-          std::min<std::uint64_t>(std::min(window.size() / stride, kBlock), header_.points - done));
+          std::min<std::uint64_t>(std::min(window.size() / stride, kRowsAtOnce), header_.points - done));
       if (count == 0) return truncated(done);
       sink_.push_rows(window.data(), stride, count, std::endian::native == std::endian::big);
       source_.advance(count * stride);
@@ -263,9 +263,9 @@ class PcdReader {
     const std::size_t stride = header_.stride();
     const auto points = static_cast<std::size_t>(header_.points);
     sink_.reserve(points);
-    std::vector<std::byte> rows(kBlock * stride);
-    for (std::size_t first = 0; first < points; first += kBlock) {
-      const std::size_t count = std::min(kBlock, points - first);
+    std::vector<std::byte> rows(kRowsAtOnce * stride);
+    for (std::size_t first = 0; first < points; first += kRowsAtOnce) {
+      const std::size_t count = std::min(kRowsAtOnce, points - first);
       std::size_t offset = 0;
       for (const Field& field : header_.fields) {
         const std::size_t size = field.bytes();

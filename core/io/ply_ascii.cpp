@@ -7,15 +7,13 @@
 #include <limits>
 #include <utility>
 
+#include "io/text.hpp"
+
 namespace surfaced::io {
 namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
-
-std::string_view text_of(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 /// What Windows' C library prints: 1.#INF, 1.#QNAN, 1.#SNAN, 1.#IND, with zeros after it.
 bool parse_windows_special(std::string_view text, double& value) {

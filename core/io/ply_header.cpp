@@ -97,7 +97,7 @@ class Lines {
  private:
   std::string_view text() {
     const std::span<const std::byte> bytes = source_.peek(wanted_);
-    return {reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kHeaderLimit)};
+    return text_of(bytes).substr(0, kHeaderLimit);
   }
 
   bool grow() {
@@ -299,7 +299,7 @@ const PlyElement* PlyHeader::find(std::string_view element) const {
 bool looks_like_ply(std::span<const std::byte> bytes) {
   constexpr std::string_view kMagic = "ply";
   constexpr std::size_t kLongest = 80;
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kLongest));
+  const std::string_view text = text_of(bytes).substr(0, kLongest);
   if (in_lower_case(text.substr(0, kMagic.size())) != kMagic) return false;
   const std::size_t end = text.find_first_not_of(" \t", kMagic.size());
   return end != std::string_view::npos && (text[end] == '\n' || text[end] == '\r');

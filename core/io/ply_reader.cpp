@@ -16,7 +16,7 @@ namespace surfaced::io {
 namespace {
 
 /// Bytes of rows converted at once: they and the points made from them stay in the cache.
-constexpr std::size_t kBlock = std::size_t{64} << 10;
+constexpr std::size_t kBytesOfRows = std::size_t{64} << 10;
 
 /// The integer or float at `from`, as a double, which holds every PLY scalar.
 template <bool Swapped>
@@ -153,7 +153,7 @@ class PlyReader {
     while (row < element.count) {
       const std::span<const std::byte> window = source_.peek(stride);
       const std::uint64_t whole =
-          std::min<std::uint64_t>(window.size() / stride, std::max(kBlock / stride, std::size_t{1}));
+          std::min<std::uint64_t>(window.size() / stride, std::max(kBytesOfRows / stride, std::size_t{1}));
       const auto count = static_cast<std::size_t>(std::min(element.count - row, whole));
       if (count == 0) return truncated(element, row);
       vertices_->push_rows(window.data(), stride, count, swapped_);

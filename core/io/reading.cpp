@@ -10,6 +10,7 @@
 #include "io/io.hpp"
 #include "io/ply_header.hpp"
 #include "io/strangers.hpp"
+#include "io/text.hpp"
 #include "io/unpacking.hpp"
 #include "io/zip.hpp"
 
@@ -50,7 +51,7 @@ std::string_view format_name(Kind kind) {
 /// The start as text.
 std::string_view text_at(ByteSource& source) {
   const std::span<const std::byte> start = source.peek(kSniffed);
-  return {reinterpret_cast<const char*>(start.data()), std::min(start.size(), kSniffed)};
+  return io::text_of(start).substr(0, kSniffed);
 }
 
 /// Skips the byte order mark that some programs write before text.

@@ -9,49 +9,44 @@
 #include "io/formats.hpp"
 #include "io/ply_ascii.hpp"
 #include "io/scalars.hpp"
-#include "io/stl_origin.hpp"
+#include "io/stl_binary.hpp"
 #include "io/text.hpp"
 #include "io/text_lines.hpp"
 
 namespace surfaced::io {
 namespace {
 
-constexpr std::size_t kHeader = 80;
-constexpr std::size_t kFacet = 50;
 /// Facets converted at once.
-constexpr std::size_t kBlock = 1024;
+constexpr std::size_t kFacetsAtOnce = 1024;
 
 using Corners = std::array<std::array<float, 3>, 3>;
-
-std::string_view text_of(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 /// Calls sink(corners) for every facet of a binary file.
 template <class Sink>
 Status read_binary(ByteSource& source, std::string_view name, Sink sink) {
-  const std::span<const std::byte> head = source.peek(kHeader + 4);
-  const auto count = load_little<std::uint32_t>(head.data() + kHeader);
-  source.advance(kHeader + 4);
-  if (count > source.remaining() / kFacet) {
+  const std::span<const std::byte> head = source.peek(kStlHeader + 4);
+  const auto count = load_little<std::uint32_t>(head.data() + kStlHeader);
+  source.advance(kStlHeader + 4);
+  if (count > source.remaining() / kStlFacet) {
     return Error{ErrorCode::truncated_input, std::string(name) + ": the STL declares " + std::to_string(count) +
-                                                 " facets, " + std::to_string(source.remaining() / kFacet) +
+                                                 " facets, " + std::to_string(source.remaining() / kStlFacet) +
                                                  " are there"};
   }
   for (std::uint32_t done = 0; done < count;) {
-    const std::span<const std::byte> window = source.peek(kFacet);
-    const std::size_t whole = std::min({window.size() / kFacet, kBlock, static_cast<std::size_t>(count - done)});
+    const std::span<const std::byte> window = source.peek(kStlFacet);
+    const std::size_t whole =
+        std::min({window.size() / kStlFacet, kFacetsAtOnce, static_cast<std::size_t>(count - done)});
     if (whole == 0)
       return Error{ErrorCode::truncated_input,
                    std::string(name) + ": the file ends within facet " + std::to_string(done)};
     for (std::size_t f = 0; f < whole; ++f) {
       Corners corners;
       for (std::size_t k = 0; k < 9; ++k) {
-        corners.at(k / 3).at(k % 3) = load_little<float>(window.data() + f * kFacet + 12 + 4 * k);
+        corners.at(k / 3).at(k % 3) = load_little<float>(window.data() + f * kStlFacet + 12 + 4 * k);
       }
       if (Status status = sink(corners); !status) return status;
     }
-    source.advance(whole * kFacet);
+    source.advance(whole * kStlFacet);
     done += static_cast<std::uint32_t>(whole);
   }
   return Done{};
@@ -184,8 +179,8 @@ class Joiner {
 /// Text, then zeros, as programs fill the header; and a count below 2^24, whose highest byte is one that text does not
 /// have.
 bool has_header_of_text(std::string_view start) {
-  if (start[kHeader + 3] != '\0') return false;
-  const std::string_view header = start.substr(0, kHeader);
+  if (start[kStlHeader + 3] != '\0') return false;
+  const std::string_view header = start.substr(0, kStlHeader);
   const std::size_t end = std::min(header.find('\0'), header.size());
   return std::ranges::all_of(header.substr(0, end), [](char c) { return c >= ' ' && c <= '~'; }) &&
          std::ranges::all_of(header.substr(end), [](char c) { return c == '\0'; });
@@ -194,10 +189,10 @@ bool has_header_of_text(std::string_view start) {
 /// Whether the first facets are such as a mesh has: a file longer or shorter than its count says is told by them.
 bool begins_with_facets(std::span<const std::byte> bytes, std::uint32_t count) {
   constexpr std::size_t kLookedAt = 16;
-  const std::size_t facets = std::min({kLookedAt, bytes.size() / kFacet, static_cast<std::size_t>(count)});
+  const std::size_t facets = std::min({kLookedAt, bytes.size() / kStlFacet, static_cast<std::size_t>(count)});
   for (std::size_t f = 0; f < facets; ++f) {
     for (std::size_t k = 0; k < 12; ++k) {
-      const double x = std::abs(static_cast<double>(load_little<float>(bytes.data() + f * kFacet + 4 * k)));
+      const double x = std::abs(static_cast<double>(load_little<float>(bytes.data() + f * kStlFacet + 4 * k)));
       const double most = k < 3 ? 1.01 : 1e15;  // a normal is no longer than 1
       if (!(x <= most) || (x > 0 && x < 1e-20)) return false;
     }
@@ -214,12 +209,12 @@ Error no_facets(std::string_view name) {
 std::optional<StlKind> stl_kind_of(std::span<const std::byte> start, std::uint64_t size) {
   const std::string_view text = text_of(start);
   const bool solid = in_lower_case(text.substr(0, 5)) == "solid";
-  if (start.size() >= kHeader + 4) {
-    const auto count = load_little<std::uint32_t>(start.data() + kHeader);
-    if (size == kHeader + 4 + kFacet * std::uint64_t{count}) return StlKind::binary;
+  if (start.size() >= kStlHeader + 4) {
+    const auto count = load_little<std::uint32_t>(start.data() + kStlHeader);
+    if (size == kStlHeader + 4 + kStlFacet * std::uint64_t{count}) return StlKind::binary;
     // Binary files begin with 'solid' too; the count's bytes tell them.
-    if (solid && text.substr(0, kHeader + 4).find('\0') != std::string_view::npos) return StlKind::binary;
-    if (!solid && count > 0 && has_header_of_text(text) && begins_with_facets(start.subspan(kHeader + 4), count)) {
+    if (solid && text.substr(0, kStlHeader + 4).find('\0') != std::string_view::npos) return StlKind::binary;
+    if (!solid && count > 0 && has_header_of_text(text) && begins_with_facets(start.subspan(kStlHeader + 4), count)) {
       return StlKind::binary;
     }
   }
@@ -228,11 +223,11 @@ std::optional<StlKind> stl_kind_of(std::span<const std::byte> start, std::uint64
 
 Result<RawCloud> read_stl_cloud(ByteSource& source, std::string_view name, StlKind kind, const ReadLimits& limits) {
   const std::uint64_t most = most_points(limits);
-  const Point3 origin = kind == StlKind::binary ? stl_origin_in(text_of(source.peek(kHeader))) : Point3{};
+  const Point3 origin = kind == StlKind::binary ? stl_origin_in(text_of(source.peek(kStlHeader))) : Point3{};
   RawCloud cloud;
   if (kind == StlKind::binary) {
     // What the count could claim is checked when it is read; what is there is the bound.
-    const std::uint64_t corners = 3 * (source.remaining() / kFacet);
+    const std::uint64_t corners = 3 * (source.remaining() / kStlFacet);
     if (corners > most) return too_many(name, corners, most);
     cloud.positions.reserve(static_cast<std::size_t>(corners));
   }
@@ -256,7 +251,7 @@ Result<TriangleMesh> read_stl_mesh(ByteSource& source, std::string_view name, St
   TriangleMesh mesh;
   Joiner joiner(mesh.positions);
   std::size_t degenerate = 0;
-  const Point3 origin = kind == StlKind::binary ? stl_origin_in(text_of(source.peek(kHeader))) : Point3{};
+  const Point3 origin = kind == StlKind::binary ? stl_origin_in(text_of(source.peek(kStlHeader))) : Point3{};
   Status status = read_facets(source, name, kind, [&](const Corners& corners) -> Status {
     const Triangle t{joiner.vertex(corners[0], origin), joiner.vertex(corners[1], origin),
                      joiner.vertex(corners[2], origin)};

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Binary STL. Its float32 coordinates are relative to an origin where they would lose digits otherwise
-// (stl_origin.hpp).
+// (stl_binary.hpp).
 #include <algorithm>
 #include <cmath>
 
 #include "io/formats.hpp"
 #include "io/scalars.hpp"
-#include "io/stl_origin.hpp"
+#include "io/stl_binary.hpp"
 
 namespace surfaced::io {
 namespace {
-
-constexpr std::size_t kHeader = 80;
-constexpr std::size_t kFacet = 50;
 
 std::array<float, 3> unit_normal(const std::array<std::array<float, 3>, 3>& c) {
   const auto wide = [](const std::array<float, 3>& p) { return Point3{p[0], p[1], p[2]}; };
@@ -32,13 +29,13 @@ Result<Bytes> write_stl_mesh(const TriangleMesh& mesh) {
   }
   Point3 origin = float_origin_of(mesh.positions);
   std::string header = origin == Point3{} ? "surfaced " SURFACED_VERSION : stl_origin_text(origin);
-  if (header.size() > kHeader) {
+  if (header.size() > kStlHeader) {
     origin = {};
     header = "surfaced " SURFACED_VERSION;
   }
-  header.resize(kHeader, ' ');
+  header.resize(kStlHeader, ' ');
   Bytes bytes = bytes_of_text(header);
-  bytes.reserve(kHeader + 4 + kFacet * mesh.triangles.size());
+  bytes.reserve(kStlHeader + 4 + kStlFacet * mesh.triangles.size());
   append_little(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const Triangle& t : mesh.triangles) {
     std::array<std::array<float, 3>, 3> corners{};

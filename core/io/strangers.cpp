@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "io/text.hpp"
 #include "io/text_lines.hpp"
 
 namespace surfaced::io {
@@ -187,7 +188,7 @@ std::optional<std::string> stranger_in(std::span<const std::byte> start) {
   for (const auto& [magic, what] : kBinary) {
     if (starts_with(start, magic) && (!may_be_text(magic) || has_control(start))) return std::string(what);
   }
-  std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
+  std::string_view text = text_of(start);
   if (text.substr(0, 4) == "RIFF" && text.size() >= 12) {
     return std::string(text.substr(8, 4) == "WEBP" ? kPicture : "a recording of sound or film, not points");
   }

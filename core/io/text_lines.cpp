@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <cstring>
 
+#include "io/text.hpp"
+
 namespace surfaced::io {
 namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
-
-std::string_view text_of(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 /// Offset of the first line end, or npos.
 std::size_t line_end_in(std::string_view text) {

@@ -247,7 +247,7 @@ class TextReader {
 
 Result<TableForm> form_of_text(ByteSource& source, std::string_view name, const TableOptions& options) {
   const std::span<const std::byte> bytes = source.peek(kTableSample);
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kTableSample));
+  const std::string_view text = text_of(bytes).substr(0, kTableSample);
   return guess_table(text, source.remaining() <= text.size(), name, options);
 }
 

@@ -105,6 +105,20 @@ TEST(GltfPacking, quantised_positions_err_by_their_bits_and_lie_within_the_bound
   }
 }
 
+TEST(GltfPacking, more_bits_than_a_float32_has_keep_its_positions_exactly_and_cost_no_more) {
+  const TriangleMesh mesh = painted_torus(40, 30);
+  for (const MeshCompression compression : {MeshCompression::draco, MeshCompression::meshopt}) {
+    const auto exact =
+        decode_mesh(encode_mesh(mesh, MeshFormat::glb, packed_by(compression, std::nullopt)).value(), "exact");
+    for (const int bits : {25, 30}) {
+      const auto bytes = encode_mesh(mesh, MeshFormat::glb, packed_by(compression, bits)).value();
+      const auto back = decode_mesh(bytes, "packed");
+      ASSERT_TRUE(back) << detail_of(back);
+      EXPECT_EQ(back->positions, exact->positions) << bits;
+    }
+  }
+}
+
 TEST(GltfPacking, scalars_stand_in_a_plain_file_as_attributes_and_in_a_ply_as_properties) {
   const TriangleMesh mesh = painted_torus(12, 8);
   EncodeOptions options;

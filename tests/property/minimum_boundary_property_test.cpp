@@ -16,7 +16,7 @@ using Parameters = MinimumBoundaryParameters;
 /// How many clouds; more by the environment variable SURFACED_NASTY_CLOUDS.
 std::uint64_t cloud_count() {
   const char* text = std::getenv("SURFACED_NASTY_CLOUDS");  // NOLINT(concurrency-mt-unsafe): read once, nobody sets it
-  return text != nullptr ? std::strtoull(text, nullptr, 10) : 8000;
+  return text != nullptr ? std::strtoull(text, nullptr, 10) : 4000;
 }
 
 /// With SURFACED_EVERY_PARAMETER set.

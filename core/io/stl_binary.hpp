@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the coordinates of an STL of ours begin: float32 cannot hold georeferenced ones, and the header has room for
-// text.
+// The parts of a binary STL, and where the coordinates of one of ours begin: float32 cannot hold georeferenced ones,
+// and the header has room for text.
 #pragma once
 
 #include <array>
 #include <charconv>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
 #include "base/base.hpp"
 
 namespace surfaced::io {
+
+/// Bytes of a binary STL's header, before the count of facets, and of each facet.
+inline constexpr std::size_t kStlHeader = 80;
+inline constexpr std::size_t kStlFacet = 50;
 
 inline constexpr std::string_view kStlOrigin = "surfaced, origin ";
 
