@@ -16,25 +16,31 @@
 #include "platform/bounded_json.hpp"
 #include "support/limited_child.hpp"
 #include "support/patience.hpp"
+#include "support/service_client.hpp"
 #include "worker/attempt_protocol.hpp"
 
 namespace surfaced {
 namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
-// 50 ms is promised on a machine that does nothing else; beside other tests the same work has taken up to 130 ms. What
-// this test is for, growth with the square of the length, takes seconds.
-constexpr double kAllowed = 0.250;
+// Promised on a machine that does nothing else, which ctest sees to. Where others have more than a tenth of it the same
+// work has taken up to 130 ms of processor time; what this test is for, growth with the square of the length, takes
+// seconds.
+constexpr double kAllowed = 0.050;
+constexpr double kBesideOthers = 0.250;
 
 template <typename Work>
 void expect_cheap(const std::string& what, std::size_t bytes, const Work& work) {
-  const double limit = testing::measuring_is_moot() ? 20 * kAllowed : kAllowed;
-  const double seconds = testing::best_of_tries(limit, [&] {
+  const testing::Neighbours neighbours;
+  const double mebibytes = std::max(1.0, static_cast<double>(bytes) / static_cast<double>(kMebibyte));
+  const double seconds = testing::best_of_tries(kAllowed, [&] {
     const double began = testing::processor_seconds();
     work();
-    return testing::processor_seconds() - began;
+    return (testing::processor_seconds() - began) / mebibytes;
   });
-  EXPECT_LT(seconds / std::max(1.0, static_cast<double>(bytes) / static_cast<double>(kMebibyte)), limit) << what;
+  const double others = neighbours.share();
+  const double limit = testing::measuring_is_moot() ? 5 : others > 0.1 ? kBesideOthers : kAllowed;
+  EXPECT_LT(seconds, limit) << what << ", while others had " << others << " of the machine";
 }
 
 /// The piece again and again, with numbers in it where it has a #.

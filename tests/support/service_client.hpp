@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -101,10 +102,10 @@ inline std::string code_of(const Answer& answer) {
   return json.is_object() ? json.value("code", "") : "";
 }
 
-/// Watches how much of the machine is taken by anything but the test and its server.
+/// Watches how much of the machine is taken by anything but the test and its server, if it has one.
 class Neighbours {
  public:
-  explicit Neighbours(pid_t server) : server_(server), begin_(read()) {}
+  explicit Neighbours(std::optional<pid_t> server = {}) : server_(server), begin_(read()) {}
   /// The share of all processors' time that others had so far; those who run a machine for others count, too.
   double share() const {
     const Times now = read();
@@ -131,7 +132,7 @@ class Neighbours {
       times.all += ticks;
       if (i != 3 && i != 4) times.busy += ticks;
     }
-    times.ours = ours("self") + ours(std::to_string(server_));
+    times.ours = ours("self") + (server_ ? ours(std::to_string(*server_)) : 0);
     return times;
   }
   /// Of a process, and of its children that have ended.
@@ -146,7 +147,7 @@ class Neighbours {
     for (double ticks = 0, i = 0; i < 4 && fields >> ticks; ++i) sum += ticks;
     return sum;
   }
-  pid_t server_;
+  std::optional<pid_t> server_;
   Times begin_;
 };
 
