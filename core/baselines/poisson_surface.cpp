@@ -106,6 +106,28 @@ class CGAL::Robust_filtered_construct_circumcenter_3<surfaced::baselines::Watche
   }
 };
 
+/// Radii of the cells that may be refined. The library takes the centre of a cell to be within its sphere and digs from
+/// there; of points that differ by last bits the centre is none of these doubles, and the hole that is dug is none:
+/// flat cells, or a recursion without end. Such a cell has the radius 0, with which it is never refined.
+template <class Base>
+class CGAL::Robust_filtered_compute_squared_radius_3<surfaced::baselines::WatchedKernel, Base>
+    : public CGAL::Robust_filtered_compute_squared_radius_3<surfaced::baselines::TickingKernel, Base> {
+  using Ticking = surfaced::baselines::TickingKernel;
+  using Unasked = CGAL::Robust_filtered_compute_squared_radius_3<Ticking, Base>;
+  using Point = Ticking::Point_3;
+
+ public:
+  using Unasked::Unasked;
+  using Unasked::operator();
+  double operator()(const Point& p, const Point& q, const Point& r, const Point& s) const {
+    if (!surfaced::baselines::span_a_ball(p, q, r, s)) return 0;
+    const Ticking kernel;
+    const CGAL::Robust_filtered_construct_circumcenter_3<Ticking, Ticking::Construct_circumcenter_3> centre(kernel);
+    const bool within = CGAL::side_of_oriented_sphere(p, q, r, s, centre(p, q, r, s)) == CGAL::ON_POSITIVE_SIDE;
+    return within ? Unasked::operator()(p, q, r, s) : 0;
+  }
+};
+
 namespace surfaced::baselines {
 namespace {
 
