@@ -96,8 +96,8 @@ Result<std::vector<std::byte>> encode_again(const TriangleMesh& mesh, MeshFormat
   if (!decoded) return decoded.error();
   Result<EncodingEffect> effect = effect_of_encoding(mesh, *decoded, format);
   if (!effect) return std::move(effect).error();
-  if (const Json& first = report.value("encoding", Json()); first.is_object()) {
-    effect->max_error += first.value("max_error", 0.0);
+  if (const auto first = report.find("encoding"); first != report.end() && first->is_object()) {
+    effect->max_error += first->value("max_error", 0.0);
   }
   report["encoding"] = encoding_json(*effect, format, parameters);
   for (const char* const of_the_run : {"stages", "resources"}) report.erase(of_the_run);

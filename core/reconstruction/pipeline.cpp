@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The way of a cloud: read -> method -> encode -> decode and measure -> write.
+// The way of a cloud: read -> method -> finish -> deliver (delivery.hpp).
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <new>
 
 #include "base/cancelled.hpp"
 #include "base/library_failure.hpp"
-#include "reconstruction/encoding.hpp"
+#include "reconstruction/delivery.hpp"
 #include "reconstruction/finishing_stage.hpp"
 #include "reconstruction/methods.hpp"
-#include "reconstruction/position_set.hpp"
 #include "reconstruction/preparing_stage.hpp"
 #include "reconstruction/provenance.hpp"
 #include "reconstruction/reading_stage.hpp"
@@ -25,147 +23,6 @@ constexpr double kReadUntil = 0.1;
 constexpr double kPreparedUntil = 0.3;
 constexpr double kMethodUntil = 0.7;
 constexpr double kFinishedUntil = 0.9;
-
-/// Distinct points of the cloud that no triangle of the mesh uses. A point is a vertex if it equals one
-/// after both are rounded to float32, the precision of mesh files.
-PointUse use_of_points(const PointCloud& cloud, const TriangleMesh& mesh, const Topology& topology, bool interpolates) {
-  // Adding 0 makes +0 of the -0 that tiny negative numbers become.
-  const auto rounded = [](const Point3& p) {
-    Point3 r;
-    for (std::size_t axis = 0; axis < 3; ++axis) r[axis] = static_cast<double>(static_cast<float>(p[axis])) + 0.0;
-    return r;
-  };
-  PositionSet vertices(mesh.positions.size());
-  std::vector<bool> seen(mesh.positions.size(), false);
-  for (const Triangle& t : mesh.triangles) {
-    for (const VertexIndex v : t) {
-      if (!seen[v]) vertices.insert(rounded(mesh.positions[v]));
-      seen[v] = true;
-    }
-  }
-  std::vector<Point3> unused;
-  for (const Point3& p : cloud.positions) {
-    if (!vertices.contains(rounded(p))) unused.push_back(p);
-  }
-  PointUse use{unused.size(), std::nullopt};
-  if (interpolates && topology.closed) use.interior = count_points_inside(mesh, unused);
-  return use;
-}
-
-/// Whether points that are no vertices can be told to be inside.
-bool vertices_are_points(const FileRequest& request) {
-  return method_of(*request.method).interpolates && !asks_for_simplifying(request.parameters) &&
-         !moves_points(request.parameters);
-}
-
-/// What a reader of the encoded mesh gets, measured.
-struct Measured {
-  Json mesh;
-  Json quality;
-  Json encoding;
-  /// None for methods without one.
-  std::optional<Certificate> certificate = std::nullopt;
-};
-
-Json quality_of(const Reconstruction& result, const PointCloud& cloud, bool interpolates, const TriangleMesh& mesh,
-                const Topology& topology) {
-  return quality_json(measure_quality(mesh, topology), use_of_points(cloud, result.mesh, topology, interpolates),
-                      std::nullopt);
-}
-
-Result<Measured> measure_encoded(const FileRequest& request, const Reconstruction& result, const PointCloud& cloud,
-                                 const TriangleMesh& decoded, MeshFormat format) {
-  const Result<EncodingEffect> effect = effect_of_encoding(result.mesh, decoded, format);
-  if (!effect) return effect.error();
-  const Topology topology = topology_of(decoded);
-  return Measured{.mesh = topology_json(topology),
-                  .quality = quality_of(result, cloud, vertices_are_points(request), decoded, topology),
-                  .encoding = encoding_json(*effect, format, request.parameters)};
-}
-
-std::vector<std::string> warnings_of_openings(const Json& topology) {
-  const Json& open = topology.at("boundary_edges");
-  if (open == 0) return {};
-  return {"the mesh is open: " + open.dump() + " edges have one triangle"};
-}
-
-/// The part of the report that is the same for every run on the same points.
-Json reproducible_report(const FileRequest& request, const PointCloud& cloud, const Json& preparing,
-                         const Reconstruction& result, const Measured& measured, std::optional<MeshFormat> format) {
-  std::vector<std::string> warnings = cloud.warnings;
-  warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
-  std::ranges::copy(warnings_of_openings(measured.mesh), std::back_inserter(warnings));
-  if (!measured.encoding.is_null() && measured.encoding.at("merged_vertices") > 0) {
-    warnings.push_back(measured.encoding.at("merged_vertices").dump() +
-                       " vertices share a position with another after encoding");
-  }
-  if (format) std::ranges::copy(unheeded_packing(*format, request.parameters), std::back_inserter(warnings));
-  if (measured.certificate)
-    std::ranges::copy(certificate_warnings(*measured.certificate), std::back_inserter(warnings));
-  Json printing = printing_json(result.mesh, measured.quality.at("volume"), request.parameters, format, warnings);
-  Json report{{"method", request.method->id}, {"parameters", request.parameters},
-              {"cloud", cloud_json(cloud)},   {"mesh", measured.mesh},
-              {"warnings", warnings},         {"quality", measured.quality}};
-  report["preparing"] = preparing;
-  report["finishing"] = result.finishing;
-  report["printing"] = std::move(printing);
-  if (measured.certificate) report["certificate"] = certificate_json(*measured.certificate);
-  report["method_statistics"] = result.statistics;
-  report["hole_filling"] = result.hole_filling;
-  report["encoding"] = measured.encoding;
-  report["provenance"] = Json{{"generator", "surfaced"}, {"version", version()}};
-  return report;
-}
-
-/// The certificate of the mesh, where the method has one.
-Status add_certificate(const FileRequest& request, const TriangleMesh& mesh, Measured& measured, Context& context) {
-  if (!method_of(*request.method).certified) return Done{};
-  Result<Certificate> certificate = certify(mesh, context);
-  if (!certificate) return std::move(certificate).error();
-  measured.certificate = std::move(*certificate);
-  return Done{};
-}
-
-/// Encodes the mesh, measures the decoded file and writes it; returns the reproducible report.
-Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const Json& preparing,
-                     const Reconstruction& result, MeshFormat format, Context& context) {
-  context.enter("quality", 0.7);
-  EncodeOptions options = encode_options_of(request.parameters, result.mesh);
-  Result<std::vector<std::byte>> bytes = encode_mesh(result.mesh, format, options);
-  if (!bytes) return std::move(bytes).error();
-  Result<TriangleMesh> decoded = decode_mesh(*bytes, "the encoded mesh");
-  if (!decoded) return std::move(decoded).error();
-  Result<Measured> measured = measure_encoded(request, result, cloud, *decoded, format);
-  if (!measured) return std::move(measured).error();
-  if (Status certified = add_certificate(request, *decoded, *measured, context); !certified) {
-    return std::move(certified).error();
-  }
-  Json report = reproducible_report(request, cloud, preparing, result, *measured, format);
-
-  context.enter("write", 1);
-  if (format == MeshFormat::glb || format == MeshFormat::gltf) {
-    options.extras_json = report.dump();
-    bytes = encode_mesh(result.mesh, format, options);
-    if (!bytes) return std::move(bytes).error();
-  }
-  if (Status written = write_file(request.mesh, *bytes); !written) return std::move(written).error();
-  report["encoding"]["bytes"] = bytes->size();
-  return report;
-}
-
-/// The report where only points are asked for: of the mesh as computed.
-Result<Json> measure_unwritten(const FileRequest& request, const PointCloud& cloud, const Json& preparing,
-                               const Reconstruction& result, Context& context) {
-  context.enter("quality", 1);
-  const Topology topology = topology_of(result.mesh);
-  Measured measured{.mesh = topology_json(topology),
-                    .quality = quality_of(result, cloud, vertices_are_points(request), result.mesh, topology),
-                    .encoding = nullptr};
-  if (Status certified = add_certificate(request, result.mesh, measured, context); !certified) {
-    return std::move(certified).error();
-  }
-  return reproducible_report(request, cloud, preparing, result, measured, std::nullopt);
-}
 
 double seconds_of(const std::vector<Stage>& stages) {
   double sum = 0;

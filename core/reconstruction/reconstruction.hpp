@@ -98,8 +98,9 @@ Result<Reconstruction> run(const PointCloud& cloud, const MethodInfo& method, co
 /// measured here.
 EncodeOptions encode_options_of(const Json& parameters, const TriangleMesh& mesh);
 
-/// The extras of a glTF made of a mesh that was read from a file: the report of the job, if there is one, with what
-/// this encoding did to the vertices, and without what differs from run to run.
+/// A mesh in another format than its first. The extras of a glTF are the report of the job, if there is one, with what
+/// this encoding did to the vertices (added to the report's own `encoding.max_error`, if the mesh was read from that
+/// file: null says that it was not), and without what differs from run to run.
 /// @return  the bytes of the file; errors as of encode_mesh.
 Result<std::vector<std::byte>> encode_again(const TriangleMesh& mesh, MeshFormat format, const Json& parameters,
                                             Json report);
@@ -108,15 +109,19 @@ Result<std::vector<std::byte>> encode_again(const TriangleMesh& mesh, MeshFormat
 struct FileRequest {
   std::filesystem::path cloud;
   /// Empty: no mesh is written, only `points`.
-  std::filesystem::path mesh;
+  std::filesystem::path mesh = {};
   const MethodInfo* method = nullptr;
   /// As check_parameters returns them.
   Json parameters;
-  ReadLimits limits;
+  ReadLimits limits = {};
   /// What messages call the cloud; empty: its file name.
-  std::string cloud_name;
+  std::string cloud_name = {};
   /// Where the method's cloud goes, as PLY; empty: nowhere.
   std::filesystem::path points = {};
+  /// The same mesh in further formats: each is encoded from the mesh in memory, not from the first file.
+  std::vector<std::filesystem::path> more_meshes = {};
+  /// Where the mesh goes as a PLY that loses nothing, if `mesh` loses anything of it; empty: nowhere.
+  std::filesystem::path kept = {};
   /// Whether a glTF may name files beside it.
   bool files_beside = false;
   /// Told how many distinct points the cloud has, before the method runs; its error ends the run. May be empty.

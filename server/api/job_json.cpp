@@ -16,6 +16,7 @@ Json time_json(const std::optional<SystemTime>& time) { return time ? Json(to_rf
 Json links_json(const Job& job) {
   Json links = Json::array({Json{{"rel", "self"}, {"href", job_path(job.id)}, {"type", "application/json"}}});
   for (const Output& output : job.outputs) {
+    if (media_type_of(output.name).empty()) continue;
     links.push_back(Json{{"rel", "item"},
                          {"href", output_path(job.id, output.name)},
                          {"type", media_type_of(output.name)},

@@ -26,18 +26,20 @@ constexpr std::chrono::seconds kPatience{120};
 
 /// The output of this name; none if it is a mesh in a format that nobody has asked for yet; or why there is none.
 Result<std::optional<Output>> find_output(const Job& job, const std::string& name) {
-  const auto found = std::ranges::find(job.outputs, name, &Output::name);
-  if (found != job.outputs.end()) return std::optional(*found);
-  const std::string subject = "job " + job.id + " is " + std::string(name_of(job.status));
   if (media_type_of(name).empty()) {
     return with_fault({ErrorCode::output_not_found, "no job has an output '" + name + "'"},
                       {"name", name, "mesh, mesh.FORMAT, cloud.ply, report.json, log.txt"});
   }
+  const auto found = std::ranges::find(job.outputs, name, &Output::name);
+  if (found != job.outputs.end()) return std::optional(*found);
+  const std::string subject = "job " + job.id + " is " + std::string(name_of(job.status));
   if (!ended(job.status)) return Error{ErrorCode::not_finished, subject + " and has no " + name + " yet"};
   if (job.status != JobStatus::successful) return Error{ErrorCode::job_not_successful, subject + " and has no " + name};
   if (is_mesh(name)) return std::optional<Output>();
   std::string made;
-  for (const Output& output : job.outputs) made += (made.empty() ? "" : ", ") + output.name;
+  for (const Output& output : job.outputs) {
+    if (!media_type_of(output.name).empty()) made += (made.empty() ? "" : ", ") + output.name;
+  }
   return with_fault({ErrorCode::output_not_found, "job " + job.id + " has no " + name + "; it made " + made},
                     {"name", name, "one of " + made});
 }

@@ -25,7 +25,7 @@ std::span<const OutputKind> mesh_kinds();
 
 bool is_mesh(std::string_view output);
 
-/// Media type of an output by its name; empty if no job has such an output.
+/// Media type of an output by its name; empty if no client sees an output of that name.
 std::string_view media_type_of(std::string_view output);
 
 /// The outputs of a job that asks for these: the meshes in their order (mesh.glb if none is named), then cloud.ply if

@@ -57,15 +57,19 @@ Result<FileRequest> request_of(const Options& options) {
   if (!given) return given.error();
   Result<Json> parameters = parameters_from_text(**method, *given);
   if (!parameters) return std::move(parameters).error();
+  FileRequest request{
+      .cloud = options.cloud, .method = *method, .parameters = std::move(*parameters), .files_beside = true};
   if (options.output == "cloud") {
     if (Status made = check_makes_cloud(**method); !made) return std::move(made).error();
     if (std::filesystem::path(options.mesh).extension() != ".ply") {
       return Error{ErrorCode::unknown_output, "-o " + options.mesh + ": a cloud is written as .ply"};
     }
-    return FileRequest{options.cloud, {}, *method, std::move(*parameters), {}, {}, options.mesh, true};
+    request.points = options.mesh;
+    return request;
   }
   if (const auto format = mesh_format_of(options.mesh); !format) return format.error();
-  return FileRequest{options.cloud, options.mesh, *method, std::move(*parameters), {}, {}, {}, true};
+  request.mesh = options.mesh;
+  return request;
 }
 
 /// For people at a terminal; a program reads the report.

@@ -33,6 +33,10 @@ std::optional<JobStatus> job_status_named(std::string_view name);
 inline bool ended(JobStatus status) { return status > JobStatus::running; }
 
 /// A file that an attempt left, as it was when the attempt was committed.
+/// The mesh without any loss, which an attempt writes if the first format that was asked for loses some of it. Further
+/// formats are made of it; clients do not see it.
+inline constexpr std::string_view kKeptMesh = "kept.ply";
+
 struct Output {
   std::string name;
   std::uint32_t attempt = 0;

@@ -132,7 +132,8 @@ Result<Output> Renditions::make(const Order& order) {
   const auto job = jobs_.find(id);
   if (!job) return job.error();
   if (const Output* const made = output_of(*job, name)) return *made;
-  const Output* const source = output_of(*job, job->wanted.front());
+  const Output* const kept = output_of(*job, kKeptMesh);
+  const Output* const source = kept != nullptr ? kept : output_of(*job, job->wanted.front());
   if (source == nullptr) return Error{ErrorCode::internal_error, "job " + id + " has lost its mesh"};
   const auto file = artifacts_.output_file({id, source->attempt}, source->name);
   if (!file) return file.error();
@@ -141,10 +142,10 @@ Result<Output> Renditions::make(const Order& order) {
   const Claim place{id, kFirstNumber + number};
   auto output = task_.run({place, *file, job->parameters, name, *report}, stop_);
   if (!output) return output;
-  const auto kept = jobs_.add_output({id, source->attempt}, *output);
-  if (kept && *kept) return output;
+  const auto added = jobs_.add_output({id, source->attempt}, *output);
+  if (added && *added) return output;
   artifacts_.discard(place);
-  if (!kept) return kept.error();
+  if (!added) return added.error();
   const auto now = jobs_.find(id);
   return now ? Error{ErrorCode::not_ready, "the outputs of job " + id + " changed meanwhile"} : now.error();
 }

@@ -224,7 +224,9 @@ std::vector<Output> Scheduler::publish(const Job& job, AttemptResult& result) {
   const Outcome outcome = result.outcome;
   if (outcome == Outcome::cancelled || outcome == Outcome::drained || outcome == Outcome::lost) return {};
   // Of an attempt that failed only the log is worth keeping.
-  const auto names = outcome == Outcome::done ? job.wanted : std::vector<std::string>{"log.txt"};
+  auto names = outcome == Outcome::done ? job.wanted : std::vector<std::string>{"log.txt"};
+  const std::size_t promised = names.size();
+  if (outcome == Outcome::done) names.emplace_back(kKeptMesh);
   auto published = artifacts_.publish({job.id, job.attempt}, names);
   if (!published) {
     const bool by_child = published.error().code == ErrorCode::crashed;
@@ -232,7 +234,8 @@ std::vector<Output> Scheduler::publish(const Job& job, AttemptResult& result) {
     result.error = published.error();
     return {};
   }
-  if (published->size() < names.size()) {
+  const auto made = std::ranges::count_if(*published, [](const Output& output) { return output.name != kKeptMesh; });
+  if (static_cast<std::size_t>(made) < promised) {
     result.outcome = Outcome::crashed;
     result.error = Error{ErrorCode::crashed, "the process ended without writing its outputs"};
     std::erase_if(*published, [](const Output& output) { return output.name != "log.txt"; });

@@ -10,7 +10,6 @@
 #include "worker/attempt_budget.hpp"
 #include "worker/attempt_protocol.hpp"
 #include "worker/confined_work.hpp"
-#include "worker/convert.hpp"
 
 namespace surfaced {
 namespace {
@@ -34,29 +33,24 @@ Status reconstruct_within(AttemptBudget& budget, const AttemptSpec& spec) {
   if (!method) return method.error();
   auto parameters = check_parameters(**method, spec.parameters);
   if (!parameters) return std::move(parameters).error();
-  const FileRequest request{spec.cloud,
-                            spec.directory / spec.mesh,
-                            *method,
-                            std::move(*parameters),
-                            ReadLimits{spec.limits.max_points},
-                            "the cloud",
-                            spec.points.empty() ? std::filesystem::path() : spec.directory / spec.points,
-                            false,
-                            [&](std::size_t points) {
-                              return budget.begin(std::to_string(points) + " points with " + spec.method,
-                                                  most_cost(**method, points));
-                            }};
+  FileRequest request{.cloud = spec.cloud,
+                      .mesh = spec.directory / spec.mesh,
+                      .method = *method,
+                      .parameters = std::move(*parameters),
+                      .limits = ReadLimits{spec.limits.max_points},
+                      .cloud_name = "the cloud",
+                      .points = spec.points.empty() ? std::filesystem::path() : spec.directory / spec.points,
+                      .kept = spec.directory / kKeptMesh};
+  request.on_read = [&](std::size_t points) {
+    return budget.begin(std::to_string(points) + " points with " + spec.method, most_cost(**method, points));
+  };
+  for (const std::string& name : spec.more_meshes) request.more_meshes.push_back(spec.directory / name);
   Context context(spec.limits.threads, [](double fraction, std::string_view stage) {
     tell_server(encode(ProgressMessage{fraction, std::string(stage)}));
   });
   const Result<Json> report = reconstruct_file(request, context);
   if (!report) return report.error();
   log_report(*report);
-  for (const std::string& name : spec.more_meshes) {
-    const Status converted =
-        convert_mesh(spec.directory / spec.mesh, spec.directory / name, request.parameters, *report);
-    if (!converted) return converted;
-  }
   return write_file(spec.directory / "report.json", as_bytes(report->dump(2) + "\n"));
 }
 

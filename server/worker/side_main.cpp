@@ -36,6 +36,8 @@ Status inspect(const AttemptSpec& spec) {
 Status convert(const AttemptSpec& spec) {
   Json report;
   if (std::ifstream extra(spec.directory / kExtraFile); extra) report = Json::parse(extra, nullptr, false);
+  // What the first file lost is not lost in this one.
+  if (report.is_object() && spec.cloud.filename() == kKeptMesh) report["encoding"] = nullptr;
   return convert_mesh(spec.cloud, spec.directory / spec.mesh, spec.parameters, std::move(report));
 }
 

@@ -87,6 +87,50 @@ TEST_F(FormatsEndToEnd, a_real_cloud_gives_the_same_mesh_in_every_format_by_comm
   }
 }
 
+/// A cloud of doubles with normals and colours, as a PLY.
+std::string painted_sphere() {
+  std::ostringstream text;
+  text.precision(17);
+  const std::vector<Point3> points = testing::sphere_points(300, {0, 0, 0}, 1);
+  text << "ply\nformat ascii 1.0\nelement vertex " << points.size()
+       << "\nproperty double x\nproperty double y\nproperty double z\nproperty float nx\nproperty float ny\nproperty "
+          "float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point3& p = points[i];
+    text << p[0] << ' ' << p[1] << ' ' << p[2] << ' ' << p[0] << ' ' << p[1] << ' ' << p[2] << ' ' << i % 251 << ' '
+         << i % 13 << " 200\n";
+  }
+  return text.str();
+}
+
+/// Whether a glTF says the same apart from the text of its report.
+bool same_mesh(const std::string& ours, const std::string& theirs, const std::string& format) {
+  if (format != "glb" && format != "gltf") return ours == theirs;
+  const auto a = decode_mesh(bytes_of(ours), "ours");
+  const auto b = decode_mesh(bytes_of(theirs), "theirs");
+  return a && b && a->positions == b->positions && a->triangles == b->triangles && a->normals == b->normals &&
+         a->colors == b->colors;
+}
+
+TEST_F(FormatsEndToEnd, no_format_is_made_of_another_that_has_lost_something) {
+  const std::string painted = painted_sphere();
+  const fs::path cloud = directory_.path() / "painted.ply";
+  ASSERT_TRUE(write_file(cloud, bytes_of(painted)));
+  for (const std::string first : {"stl", "drc&quantization=9"}) {
+    const std::string asked =
+        job_of(painted, "&outputs=mesh." + first.substr(0, 3) + ",mesh.glb,mesh.obj" + first.substr(3));
+    const std::string later = job_of(painted, "&outputs=mesh." + first);
+    for (const std::string format : {"glb", "ply", "obj"}) {
+      const std::string direct = by_command(cloud, format, "");
+      EXPECT_TRUE(same_mesh(by_http(asked, format), direct, format)) << format << " beside " << first;
+      EXPECT_TRUE(same_mesh(by_http(later, format), direct, format)) << format << " after " << first;
+    }
+    const Json job = testing::job_of(server_->port(), later);
+    EXPECT_EQ(job.dump().find("kept"), std::string::npos) << job.dump();
+    EXPECT_EQ(testing::call(server_->port(), "GET", "/v1/jobs/" + later + "/outputs/kept.ply", {}, {}).status, 404);
+  }
+}
+
 /// Where a scan in a national grid may lie; millimetres in LAS are exact decimals there, not exact doubles.
 constexpr Point3 kFar{1412345.678, 5654321.123, 123.456};
 constexpr double kMillimetre = 0.001;
@@ -134,7 +178,6 @@ TEST_F(FormatsEndToEnd, a_georeferenced_las_keeps_its_millimetres_in_every_forma
     for (const std::string& text : {by_command(cloud, format, "--param unit=m"), by_http(id, format)}) {
       const auto mesh = decode_mesh(bytes_of(text), "mesh");
       ASSERT_TRUE(mesh) << format << ": " << testing::detail_of(mesh);
-      // A job's other formats are made of its GLB, whose float32 around the origin errs by 2^-22 m.
       EXPECT_LT(greatest_error(*mesh, scan.points), 1e-6) << format;
     }
     const bool keeps_doubles = format == "ply" || format == "drc" || format == "obj";

@@ -369,9 +369,12 @@ TEST_F(Files, whoever_is_told_how_many_points_there_are_may_end_the_run_before_t
     return Error{ErrorCode::storage_full, "no room"};
   };
   Context context;
-  const auto report = reconstruct_file(
-      {cloud, folder_ / "told.glb", &front(), *check_parameters(front(), Json::object()), {}, {}, {}, false, refuse},
-      context);
+  const auto report = reconstruct_file({.cloud = cloud,
+                                        .mesh = folder_ / "told.glb",
+                                        .method = &front(),
+                                        .parameters = *check_parameters(front(), Json::object()),
+                                        .on_read = refuse},
+                                       context);
   EXPECT_EQ(told, 100U);
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().detail, "no room");
