@@ -70,7 +70,12 @@ Bytes pack_triangles(const std::vector<Triangle>& triangles) {
 
 Bytes with_fewer_bits(std::span<const float> values, std::size_t components, int bits) {
   Bytes result(values.size_bytes());
+#if MESHOPTIMIZER_VERSION > 180  // since then to be named what was the only way: an exponent a vertex
+  meshopt_encodeFilterExp(result.data(), values.size() / components, components * sizeof(float), bits, values.data(),
+                          meshopt_EncodeExpSharedVector);
+#else
   meshopt_encodeFilterExp(result.data(), values.size() / components, components * sizeof(float), bits, values.data());
+#endif
   return result;
 }
 
