@@ -195,11 +195,12 @@ void measure_angles(std::vector<Candidate>& candidates, unsigned threads) {
 std::size_t best_of(const std::vector<Candidate>& candidates, std::size_t bodies) {
   const Measures& first = candidates.front().measures;
   const Judge judge{static_cast<double>(first.energy) / static_cast<double>(first.facets), usual_handles(candidates)};
+  const double component = Judge::component_price(first.vertices + first.interior);
   const auto rank = [&](const Candidate& c) {
     const std::size_t components = c.measures.components;
     const std::size_t off = bodies == 0 ? 0 : std::max(components, bodies) - std::min(components, bodies);
-    return std::pair(off,
-                     judge.score(c.measures) + (hollow(c) ? kThinVertex * static_cast<double>(c.angles->thin) : 0));
+    return judge.score(c.measures) + component * static_cast<double>(off) +
+           (hollow(c) ? kThinVertex * static_cast<double>(c.angles->thin) : 0);
   };
   std::size_t best = 0;
   for (std::size_t k = 1; k < candidates.size(); ++k) {

@@ -84,6 +84,10 @@ struct Judge {
   /// A handle too many, and one that is missing or too many where most candidates agree on a number.
   static constexpr double kHandle = 3;
   static constexpr double kWitnessed = 6;
+  /// What a component too many or too few costs, in mean λ for each point: a fortieth of the Σλ of a body. Bridges join
+  /// an islet; a cage, whose Σλ is a fifth higher, stays one.
+  static constexpr double kComponent = 0.05;
+  static double component_price(std::size_t points) { return kComponent * static_cast<double>(points); }
   static double handle_price(std::int64_t usual) { return usual > 0 ? kWitnessed : kHandle; }
   double score(const Measures& m) const {
     return static_cast<double>(m.energy) / mean_energy + kInterior * static_cast<double>(m.interior) +

@@ -16,6 +16,13 @@ bool same_topology(const Measures& a, const Measures& b) {
   return a.components == b.components && a.handles() == b.handles();
 }
 
+/// A volume beyond this is another body.
+constexpr double kSameVolume = 1.25;
+
+bool same_volume(const Measures& a, const Measures& b) {
+  return a.volume <= kSameVolume * b.volume && b.volume <= kSameVolume * a.volume;
+}
+
 struct GuideTopology {
   std::size_t components = 0;
   std::int64_t genus = 0;
@@ -70,13 +77,15 @@ MinimumBoundaryEvidence compare_candidates(const std::vector<Candidate>& candida
   std::size_t same = 0;
   std::size_t more = 0;
   std::size_t fewer = 0;
-  evidence.gap = std::numeric_limits<double>::infinity();
+  evidence.gap = evidence.volume_gap = std::numeric_limits<double>::infinity();
   for (const Candidate& c : candidates) {
+    const double apart = std::abs(judge.score(c.measures) - judge.score(own));
     if (same_topology(c.measures, own)) {
       ++same;
     } else if (bodies == 0 || c.measures.components == own.components) {
-      evidence.gap = std::min(evidence.gap, std::abs(judge.score(c.measures) - judge.score(own)));
+      evidence.gap = std::min(evidence.gap, apart);
     }
+    if (!same_volume(c.measures, own)) evidence.volume_gap = std::min(evidence.volume_gap, apart);
     if (c.measures.handles() > own.handles()) ++more;
     if (c.measures.handles() < own.handles()) ++fewer;
     if (c.recipe.kind == Recipe::Kind::guided) evidence.guided_agrees = same_topology(c.measures, own);

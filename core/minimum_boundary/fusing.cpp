@@ -63,7 +63,8 @@ class Fuser {
     flip();
     const std::size_t after = search_.components(labels_, vertices_);
     if (euler_change != 0 && after == before) fused_.margin = std::min(fused_.margin, std::abs(gain));
-    const bool better = after < before ? one_component_ || gain < 0 : after == before && gain < 0;
+    const double bounty = one_component_ ? Judge::component_price(complex_.points()) : 0;
+    const bool better = after <= before && gain < bounty * static_cast<double>(before - after);
     if (better) {
       handles_.now += static_cast<std::int64_t>(after) - static_cast<std::int64_t>(before) - euler_change / 2;
     } else {

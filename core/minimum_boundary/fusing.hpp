@@ -25,8 +25,8 @@ struct Fused {
 
 /// The cells in which two manifold labellings differ fall into regions that share no vertex, so that any choice
 /// of regions is manifold again: the star of every vertex comes wholly from one of the two. Takes a region if
-/// ΔΣλ / λ(region) + 6 Δint + 3 Δ|handles - usual| < 0 and it adds no component, or (one_component) if it removes one.
-/// Keeps `handles.now`.
+/// ΔΣλ / λ(region) + 6 Δint + 3 Δ|handles - usual| < 0 and it adds no component; with `one_component` each component
+/// that it removes counts as much as in the choice of the candidate. Keeps `handles.now`.
 /// @cost  O(cells) and a search near each region that is better.
 Fused fuse(Labelling& labels, const Labelling& other, const Criterion& criterion, bool one_component, Handles& handles,
            SurfaceSearch& search);

@@ -19,9 +19,10 @@ Measures measure(const Labelling& labels, const Criterion& criterion) {
     if (!labels.in(CellIndex(c)) || labels.border(CellIndex(c)) == 0) continue;
     for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
       if (!labels.on_border(SideIndex(s))) continue;
-      const auto [p, q, r] = complex.facet(SideIndex(s));
+      const auto [p, q, r] = complex.outward_facet(SideIndex(s));
       ++measures.facets;
       measures.energy += criterion.energy(SideIndex(s));
+      measures.volume += dot(complex.positions[p], cross(complex.positions[q], complex.positions[r])) / 6;
       used[p] = used[q] = used[r] = 1;
       parts.unite(p, q);
       parts.unite(p, r);

@@ -19,6 +19,7 @@ struct Measures {
   std::size_t components = 0;
   /// Σλ in the criterion's units.
   std::int64_t energy = 0;
+  double volume = 0;
 
   /// V - E + F of a closed surface, whose edges are 3F/2.
   std::int64_t euler() const { return static_cast<std::int64_t>(vertices) - static_cast<std::int64_t>(facets) / 2; }

@@ -65,6 +65,8 @@ struct MinimumBoundaryEvidence {
   double fewer_handles = 0;
   /// How much worse or better the nearest candidate of another genus scored, in mean λ; infinite if there is none.
   double gap = 0;
+  /// The same of the nearest candidate whose volume is more than a quarter larger or smaller.
+  double volume_gap = 0;
   /// Whether the candidate made with the guiding surface has this topology, and the closed guiding surface itself.
   bool guided_agrees = false;
   bool guide_agrees = false;

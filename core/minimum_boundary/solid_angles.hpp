@@ -21,6 +21,10 @@ struct SolidAngles {
   std::vector<std::uint8_t> pointed;
   /// Share of thin vertices that tells a hollow cage: 16 to 39 % on cages, at most 8 % on thin and sparse bodies.
   static constexpr double kHollowShare = 0.12;
+  /// Below so many vertices arms and ears are a large part of a body, and it takes a larger share to tell.
+  static constexpr std::size_t kFewVertices = 300;
+  static constexpr double kHollowShareOfFew = 0.25;
+  static double cage_share(std::size_t vertices) { return vertices < kFewVertices ? kHollowShareOfFew : kHollowShare; }
   double thin_share() const { return vertices == 0 ? 0 : static_cast<double>(thin) / static_cast<double>(vertices); }
 };
 

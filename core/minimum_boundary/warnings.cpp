@@ -14,10 +14,6 @@ constexpr double kDoubtfulSheets = 0.02;
 /// Handles per point beyond which they look like noise, unless they are few.
 constexpr double kDoubtfulHandles = 0.01;
 constexpr std::int64_t kFewHandles = 10;
-/// Below so many points arms and ears are a large part of a body, and it takes a larger share of vertices that see next
-/// to nothing inside to make a hollow cage.
-constexpr std::size_t kFewPoints = 300;
-constexpr double kHollowShareOfFew = 0.25;
 /// Share of the vertices with ε above 1 from which on the points show hardly more than the corners of a shape; right
 /// random parts of clouds have 0.34 at most.
 constexpr double kUndersampled = 0.4;
@@ -44,9 +40,9 @@ void doubt_components(const MinimumBoundaryStatistics& s, const MinimumBoundaryP
 }
 
 void doubt_volume(const MinimumBoundaryStatistics& s, std::size_t points, std::vector<std::string>& warnings) {
-  const auto on_surface = static_cast<double>(points - s.interior_vertices);
-  const double thin = static_cast<double>(s.thin_vertices) / on_surface;
-  if (thin > (points < kFewPoints ? kHollowShareOfFew : SolidAngles::kHollowShare)) {
+  const std::size_t on_surface = points - s.interior_vertices;
+  const double thin = static_cast<double>(s.thin_vertices) / static_cast<double>(on_surface);
+  if (thin > SolidAngles::cage_share(on_surface)) {
     warnings.push_back(
         "volume_uncertain: at " + percent(thin) +
         " of the vertices the surface turns back upon itself and encloses next to nothing; the cloud may "

@@ -53,6 +53,7 @@ Json evidence_json(const MinimumBoundaryStatistics& s) {
               {"more_handles", e.more_handles},
               {"fewer_handles", e.fewer_handles},
               {"gap", std::isfinite(e.gap) ? Json(e.gap) : Json(nullptr)},
+              {"volume_gap", std::isfinite(e.volume_gap) ? Json(e.volume_gap) : Json(nullptr)},
               {"guided_agrees", e.guided_agrees},
               {"guide_agrees", e.guide_agrees},
               {"guide_open_edges", e.guide_open_edges},

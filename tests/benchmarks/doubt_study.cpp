@@ -47,7 +47,8 @@ double capped(double x) { return std::isfinite(x) ? std::min(x, kNone) : kNone; 
 
 void print_header() {
   std::printf(
-      "kind,name,setting,seed,points,right,genus,components,interior,agreeing,more,fewer,gap,guided,guide,open,unused,"
+      "kind,name,setting,seed,points,right,genus,components,interior,agreeing,more,fewer,gap,volume_gap,guided,guide,"
+      "open,unused,"
       "shared,"
       "opposed,median,high,above,margin,thin,buried,sheets,parts,bodies,outliers,doubt,energy,warnings\n");
 }
@@ -71,14 +72,15 @@ void run_one(const std::string& kind, const std::string& name, const std::string
   for (const std::string& w : result->warnings) warnings += w.substr(0, w.find(':')) + " ";
   const surfaced::MinimumBoundaryEvidence e = s.evidence.value_or(surfaced::MinimumBoundaryEvidence{});
   std::printf(
-      "%s,%s,%s,%u,%zu,%d,%ld,%zu,%zu,%.4f,%.4f,%.4f,%.3f,%d,%d,%.5f,%.5f,%.5f,%.6f,%.4f,%.4f,%.5f,%.3f,%.5f,%.5f,%.5f,"
+      "%s,%s,%s,%u,%zu,%d,%ld,%zu,%zu,%.4f,%.4f,%.4f,%.3f,%.3f,%d,%d,%.5f,%.5f,%.5f,%.6f,%.4f,%.4f,%.5f,%.3f,%.5f,%.5f,"
+      "%.5f,"
       "%zu,%zu,%"
       "zu,"
       "%.4f,%.5g,%s\n",
       kind.c_str(), name.c_str(), setting.c_str(), seed, cloud->size(), right ? 1 : 0, static_cast<long>(s.genus),
       s.components, s.interior_vertices, e.candidates_agreeing, e.more_handles, e.fewer_handles, capped(e.gap),
-      e.guided_agrees ? 1 : 0, e.guide_agrees ? 1 : 0, e.guide_open_edges, e.guide_unused, e.guide_shared,
-      e.opposed_triangles, s.sampling->median, s.sampling->high, s.sampling->share_above_one,
+      capped(e.volume_gap), e.guided_agrees ? 1 : 0, e.guide_agrees ? 1 : 0, e.guide_open_edges, e.guide_unused,
+      e.guide_shared, e.opposed_triangles, s.sampling->median, s.sampling->high, s.sampling->share_above_one,
       capped(s.topology_margin.value_or(kNone)), share(s.thin_vertices), share(s.buried_vertices), s.sheet_area_share,
       s.joined_parts, s.bodies_seen, s.outliers, s.doubt.value_or(0), s.sum_lambda, warnings.c_str());
   std::fflush(stdout);
