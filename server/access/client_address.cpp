@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <ranges>
 
+#include "platform/lists.hpp"
+
 namespace surfaced {
 namespace {
 
@@ -12,7 +14,7 @@ std::string_view take_last(std::string_view& list) {
   const std::size_t comma = list.rfind(',');
   const std::string_view last = comma == list.npos ? list : list.substr(comma + 1);
   list = comma == list.npos ? std::string_view() : list.substr(0, comma);
-  return http::trimmed(last);
+  return trimmed(last);
 }
 
 /// 192.0.2.1:4711 and [2001:db8::1]:4711 without brackets and port.

@@ -10,6 +10,7 @@
 #include "platform/clock.hpp"
 #include "platform/digest.hpp"
 #include "platform/files.hpp"
+#include "platform/lists.hpp"
 #include "platform/random.hpp"
 #include "platform/sha256.hpp"
 
@@ -60,8 +61,7 @@ Result<Scopes> scopes_named(std::string_view list) {
   Scopes scopes;
   const std::string whole(list);
   while (!list.empty()) {
-    const std::string_view name = list.substr(0, list.find(','));
-    list.remove_prefix(std::min(list.size(), name.size() + 1));
+    const std::string_view name = take_entry(list);
     if (name == "read") {
       scopes.read = true;
     } else if (name == "submit") {

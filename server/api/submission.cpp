@@ -9,6 +9,7 @@
 
 #include "api/outputs.hpp"
 #include "http/problem.hpp"
+#include "platform/lists.hpp"
 #include "reconstruction/reconstruction.hpp"
 
 namespace surfaced::api {
@@ -199,8 +200,7 @@ Result<Json> parameters_field(const Json& body, const MethodInfo& method) {
 std::vector<std::string> split_list(std::string_view list) {
   std::vector<std::string> entries;
   while (!list.empty()) {
-    const std::string_view entry = list.substr(0, list.find(','));
-    list.remove_prefix(std::min(list.size(), entry.size() + 1));
+    const std::string_view entry = take_entry(list);
     if (!entry.empty()) entries.emplace_back(entry);
   }
   return entries;

@@ -7,6 +7,7 @@
 #include "http/problem.hpp"
 #include "platform/base64.hpp"
 #include "platform/digest.hpp"
+#include "platform/lists.hpp"
 
 namespace surfaced::api {
 namespace {
@@ -44,9 +45,7 @@ Result<std::string> metadata_header(const http::Headers& headers) {
   };
   if (whole.size() > kMaxMetadata) return refuse("up to 4096 bytes");
   for (std::string_view left = whole; !left.empty();) {
-    std::string_view pair = left.substr(0, left.find(','));
-    left.remove_prefix(std::min(left.size(), pair.size() + 1));
-    while (pair.starts_with(' ')) pair.remove_prefix(1);
+    const std::string_view pair = take_entry(left);
     const std::size_t blank = pair.find(' ');
     const std::string_view name = pair.substr(0, blank);
     const bool clean = std::ranges::all_of(name, [](char c) { return c > ' ' && c < '\x7f'; });

@@ -7,6 +7,7 @@
 #include "http/assembly.hpp"
 #include "http/conditional.hpp"
 #include "http/problem.hpp"
+#include "platform/lists.hpp"
 #include "web/assets.hpp"
 
 namespace surfaced::api {
@@ -31,9 +32,7 @@ const Asset* find_asset(std::string_view path) {
 bool takes_gzip(const Request& request) {
   std::string_view list = request.headers.find("Accept-Encoding").value_or("");
   while (!list.empty()) {
-    std::string_view one = list.substr(0, list.find(','));
-    list.remove_prefix(std::min(list.size(), one.size() + 1));
-    while (one.starts_with(' ')) one.remove_prefix(1);
+    const std::string_view one = take_entry(list);
     const std::string_view name = one.substr(0, one.find_first_of("; "));
     if (!http::same_name(name, "gzip")) continue;
     constexpr auto kRefusals = std::to_array<std::string_view>({"q=0", "q=0.0", "q=0.00", "q=0.000"});

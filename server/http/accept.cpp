@@ -5,15 +5,10 @@
 #include <optional>
 
 #include "http/message.hpp"
+#include "platform/lists.hpp"
 
 namespace surfaced::http {
 namespace {
-
-std::string_view take_until(std::string_view& text, char mark) {
-  const std::string_view part = text.substr(0, text.find(mark));
-  text.remove_prefix(std::min(text.size(), part.size() + 1));
-  return trimmed(part);
-}
 
 /// 0, 0.5, 1.000 and the like, in thousandths.
 std::optional<int> parse_quality(std::string_view text) {
@@ -43,15 +38,15 @@ std::vector<MediaRange> parse_accept(std::string_view value) {
   constexpr std::size_t kMostRanges = 256;
   std::vector<MediaRange> ranges;
   for (std::size_t i = 0; i < kMostRanges && !value.empty(); ++i) {
-    std::string_view item = take_until(value, ',');
-    std::string_view name = take_until(item, ';');
+    std::string_view item = take_entry(value, ',');
+    std::string_view name = take_entry(item, ';');
     MediaRange range;
-    range.type = lower(take_until(name, '/'));
+    range.type = lower(take_entry(name, '/'));
     range.subtype = lower(name);
     bool readable = !range.type.empty() && !range.subtype.empty();
     while (!item.empty()) {
-      std::string_view parameter = take_until(item, ';');
-      if (!same_name(take_until(parameter, '='), "q")) continue;
+      std::string_view parameter = take_entry(item, ';');
+      if (!same_name(take_entry(parameter, '='), "q")) continue;
       const auto quality = parse_quality(parameter);
       readable &= quality.has_value();
       range.quality = quality.value_or(0);

@@ -6,6 +6,7 @@
 
 #include "http/problem.hpp"
 #include "platform/base64.hpp"
+#include "platform/lists.hpp"
 
 namespace surfaced::http {
 namespace {
@@ -44,10 +45,8 @@ Error not_satisfiable(std::string_view value, std::uint64_t size) {
 /// True if every part of the list is a range.
 bool is_list_of_ranges(std::string_view list) {
   for (;;) {
-    const std::string_view one = list.substr(0, list.find(','));
-    const bool last = one.size() == list.size();
-    list.remove_prefix(std::min(list.size(), one.size() + 1));
-    if (!parse_range(trimmed(one))) return false;
+    const bool last = list.find(',') == list.npos;
+    if (!parse_range(take_entry(list))) return false;
     if (last) return true;
   }
 }
@@ -59,9 +58,7 @@ bool not_modified(const Headers& headers, std::string_view etag) {
   if (!given) return false;
   std::string_view list = *given;
   while (!list.empty()) {
-    std::string_view tag = list.substr(0, list.find(','));
-    list.remove_prefix(std::min(list.size(), tag.size() + 1));
-    tag = trimmed(tag);
+    std::string_view tag = take_entry(list);
     // A weak tag matches too: If-None-Match compares weakly.
     if (tag.starts_with("W/")) tag.remove_prefix(2);
     if (tag == "*" || tag == etag) return true;

@@ -39,9 +39,6 @@ class Headers {
 /// True if the two names of header fields are the same.
 bool same_name(std::string_view a, std::string_view b);
 
-/// Without the optional whitespace of RFC 9110, 5.6.3, around it.
-std::string_view trimmed(std::string_view text);
-
 /// The body of a request, read once and in pieces; never held in memory as a whole.
 class BodySource {
  public:

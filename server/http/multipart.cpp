@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "http/message.hpp"
+#include "platform/lists.hpp"
 
 namespace surfaced::http {
 namespace {

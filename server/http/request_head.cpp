@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 
+#include "platform/lists.hpp"
 #include "platform/network.hpp"
 
 namespace surfaced::http {
@@ -41,13 +42,6 @@ std::size_t sequence_length(unsigned char first) {
   if (first >= 0xC2 && first < 0xE0) return 2;
   if (first >= 0xE0 && first < 0xF0) return 3;
   return first >= 0xF0 && first < 0xF5 ? 4 : 0;
-}
-
-/// Takes the next entry off a list that commas separate.
-std::string_view take_entry(std::string_view& list) {
-  const std::string_view entry = list.substr(0, list.find(','));
-  list.remove_prefix(std::min(list.size(), entry.size() + 1));
-  return trimmed(entry);
 }
 
 bool names_close(const Headers& headers) {

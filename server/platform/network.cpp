@@ -8,6 +8,8 @@
 #include <charconv>
 #include <cstring>
 
+#include "platform/lists.hpp"
+
 namespace surfaced {
 namespace {
 
@@ -80,10 +82,7 @@ std::optional<Network> Network::parse(std::string_view text) {
 Result<std::vector<Network>> networks_in(std::string_view list) {
   std::vector<Network> networks;
   while (!list.empty()) {
-    std::string_view entry = list.substr(0, list.find(','));
-    list.remove_prefix(std::min(list.size(), entry.size() + 1));
-    while (entry.starts_with(' ')) entry.remove_prefix(1);
-    while (entry.ends_with(' ')) entry.remove_suffix(1);
+    const std::string_view entry = take_entry(list);
     if (entry.empty()) continue;
     const auto network = Network::parse(entry);
     if (!network) {

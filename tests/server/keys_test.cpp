@@ -56,6 +56,7 @@ TEST_F(KeysTest, the_file_holds_no_secret_and_is_for_its_owner_alone) {
 TEST_F(KeysTest, wrong_scopes_and_broken_files_are_refused_with_their_name) {
   EXPECT_THAT(scopes_named("read,write").error().detail, HasSubstr("read,write"));
   EXPECT_FALSE(scopes_named("").ok());
+  EXPECT_THAT(names_of(scopes_named(" read ,\tsubmit").value()), ElementsAre("read", "submit"));
   EXPECT_THAT(names_of(scopes_named("metrics").value()), ElementsAre("metrics"));
   EXPECT_FALSE(scopes_named("read,submit").value().metrics) << "it is a scope of its own";
   EXPECT_THAT(KeyRing::load(file()).error().detail, HasSubstr("keys.json"));
