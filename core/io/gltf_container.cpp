@@ -130,6 +130,7 @@ void GltfDocument::parse_json(std::span<const std::byte> text) {
   try {
     json_ = Json::parse(begin, begin + text.size());
   } catch (const Json::parse_error& error) {
+    check_is_one_object({begin, text.size()});
     const std::string size = std::to_string(text.size());
     malformed(error.byte > text.size() ? "its JSON ends too early, after " + size + " bytes"
                                        : "its JSON breaks at byte " + std::to_string(error.byte) + " of " + size);
@@ -151,6 +152,14 @@ void GltfDocument::check_is_gltf(std::string_view text) const {
   if (member(json_, "asset").is_object()) return;
   throw Refusal{{ErrorCode::unknown_format, std::string(name_) + " is " + json_stranger(text.substr(0, 4096)) +
                                                 " (a glTF has an object 'asset')"}};
+}
+
+/// A first line that is an object of its own begins a file of many.
+void GltfDocument::check_is_one_object(std::string_view text) const {
+  const std::string_view line = text.substr(0, text.find('\n'));
+  if (line.size() == text.size() || !Json::parse(line, nullptr, false).is_object()) return;
+  throw Refusal{{ErrorCode::unknown_format, std::string(name_) + " is " + json_stranger(line.substr(0, 4096)) +
+                                                " (every line of it is an object of its own)"}};
 }
 
 void GltfDocument::load_buffers(const Beside& beside) {

@@ -73,6 +73,7 @@ class GltfDocument {
   std::span<const std::byte> bytes_within(const nlohmann::json& view, const std::string& which) const;
   std::span<const std::byte> load_uri(const std::string& uri, std::size_t buffer, const Beside& beside);
   void check_is_gltf(std::string_view text) const;
+  void check_is_one_object(std::string_view text) const;
 
   std::string_view name_;
   std::size_t size_;

@@ -52,11 +52,11 @@ Status read_binary(ByteSource& source, std::string_view name, Sink sink) {
   return Done{};
 }
 
-/// After the facets of a binary file: a sentence if more follows.
-void warn_of_rest(ByteSource& source, StlKind kind, std::vector<std::string>& warnings) {
-  if (kind == StlKind::binary && source.remaining() > 0) {
-    warnings.push_back(std::to_string(source.remaining()) + " bytes after the last facet ignored");
-  }
+/// After the facets of a binary file, or the last solid of an ascii one: a sentence if more follows.
+void warn_of_rest(std::uint64_t left, StlKind kind, std::vector<std::string>& warnings) {
+  if (left == 0) return;
+  warnings.push_back(std::to_string(left) + (kind == StlKind::binary ? " bytes after the last facet ignored"
+                                                                     : " lines after the last 'endsolid' ignored"));
 }
 
 /// Walks the words of an ascii file; what follows `solid`, `endsolid` and `normal` is not looked at.
@@ -66,15 +66,22 @@ class AsciiStl {
   AsciiStl(ByteSource& source, std::string_view name, Sink sink)
       : name_(name), lines_(source, name), sink_(std::move(sink)) {}
 
-  Status run() {
+  /// @return  the lines behind the last solid.
+  Result<std::uint64_t> run() {
+    std::uint64_t behind = 0;
     for (;;) {
       const Result<bool> there = lines_.next();
       if (!there) return there.error();
       if (!*there) break;
       std::string_view rest = lines_.text();
-      if (Status status = read(in_lower_case(take_word(rest).substr(0, 16)), rest); !status) return status;
+      const std::string word = in_lower_case(take_word(rest).substr(0, 16));
+      if (ended_ && word != "solid") {
+        if (!word.empty()) ++behind;
+        continue;
+      }
+      if (Status status = read(word, rest); !status) return std::move(status).error();
     }
-    if (ended_) return Done{};
+    if (ended_) return behind;
     return Error{ErrorCode::truncated_input, std::string(name_) + ": the ascii STL ends without 'endsolid' after " +
                                                  std::to_string(facets_) + " facets"};
   }
@@ -117,9 +124,13 @@ class AsciiStl {
   bool ended_ = false;
 };
 
+/// @return  what follows the facets: bytes or lines.
 template <class Sink>
-Status read_facets(ByteSource& source, std::string_view name, StlKind kind, Sink sink) {
-  if (kind == StlKind::binary) return read_binary(source, name, sink);
+Result<std::uint64_t> read_facets(ByteSource& source, std::string_view name, StlKind kind, Sink sink) {
+  if (kind == StlKind::binary) {
+    if (Status status = read_binary(source, name, sink); !status) return std::move(status).error();
+    return source.remaining();
+  }
   return AsciiStl<Sink>(source, name, sink).run();
 }
 
@@ -231,7 +242,7 @@ Result<RawCloud> read_stl_cloud(ByteSource& source, std::string_view name, StlKi
     if (corners > most) return too_many(name, corners, most);
     cloud.positions.reserve(static_cast<std::size_t>(corners));
   }
-  Status status = read_facets(source, name, kind, [&](const Corners& corners) -> Status {
+  Result<std::uint64_t> left = read_facets(source, name, kind, [&](const Corners& corners) -> Status {
     if (cloud.size() + 3 > most) return too_many(name, cloud.size() + 3, most);
     for (const auto& c : corners) {
       cloud.positions.push_back({static_cast<double>(c[0]) + origin[0], static_cast<double>(c[1]) + origin[1],
@@ -239,9 +250,9 @@ Result<RawCloud> read_stl_cloud(ByteSource& source, std::string_view name, StlKi
     }
     return Done{};
   });
-  if (!status) return std::move(status).error();
+  if (!left) return std::move(left).error();
   if (cloud.size() == 0) return no_facets(name);
-  warn_of_rest(source, kind, cloud.warnings);
+  warn_of_rest(*left, kind, cloud.warnings);
   cloud.source.faces = cloud.size() / 3;
   return cloud;
 }
@@ -252,7 +263,7 @@ Result<TriangleMesh> read_stl_mesh(ByteSource& source, std::string_view name, St
   Joiner joiner(mesh.positions);
   std::size_t degenerate = 0;
   const Point3 origin = kind == StlKind::binary ? stl_origin_in(text_of(source.peek(kStlHeader))) : Point3{};
-  Status status = read_facets(source, name, kind, [&](const Corners& corners) -> Status {
+  Result<std::uint64_t> left = read_facets(source, name, kind, [&](const Corners& corners) -> Status {
     const Triangle t{joiner.vertex(corners[0], origin), joiner.vertex(corners[1], origin),
                      joiner.vertex(corners[2], origin)};
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
@@ -262,9 +273,9 @@ Result<TriangleMesh> read_stl_mesh(ByteSource& source, std::string_view name, St
     }
     return Done{};
   });
-  if (!status) return std::move(status).error();
+  if (!left) return std::move(left).error();
   if (mesh.positions.empty()) return no_facets(name);
-  warn_of_rest(source, kind, warnings);
+  warn_of_rest(*left, kind, warnings);
   warn_of_degenerate(degenerate, warnings);
   return mesh;
 }

@@ -65,9 +65,14 @@ std::optional<std::string> document_in(const std::vector<ZipMember>& members) {
   constexpr auto kDocuments = std::to_array<std::pair<std::string_view, std::string_view>>(
       {{"xl/workbook.xml", "an Excel workbook; save the sheet with the points as CSV"},
        {"word/document.xml", "a Word document, not points"},
+       {"ppt/presentation.xml", "a presentation, not points"},
        {"content.xml", "an OpenDocument file; save its table as CSV"},
        {".npy", "NumPy arrays; write the points as text with numpy.savetxt(\"points.xyz\", array[:, :3])"},
        {".kml", "a KMZ document; export its points, projected to metres, as text with x y z"},
+       {"/data.pkl", "a PyTorch file; write its points as text with numpy.savetxt(\"points.xyz\", points[:, :3])"},
+       {"means_l.webp", "packed Gaussian splats (SOG); convert them to PLY"},
+       {".rcs", "a ReCap project; export its points as PTS or E57, and convert that to PLY or LAS"},
+       {".shp", "a shapefile of ESRI; export its points as text with x y z"},
        {".usdc", "a USD scene; export it as GLB, OBJ or PLY"}});
   for (const ZipMember& member : members) {
     for (const auto& [end, what] : kDocuments) {

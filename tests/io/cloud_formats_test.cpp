@@ -18,12 +18,6 @@ using ::testing::IsEmpty;
 using Points = std::vector<Point3>;
 using Colors = std::vector<Color4>;
 
-RawCloud read(std::string_view text) {
-  auto cloud = parse_text(text);
-  EXPECT_EQ(code_of(cloud), "ok") << detail_of(cloud);
-  return cloud ? std::move(*cloud) : RawCloud{};
-}
-
 /// The points whose coordinates are numbers, with their attributes.
 RawCloud without_unmeasured(RawCloud cloud) {
   for (std::size_t i = cloud.size(); i-- > 0;) {

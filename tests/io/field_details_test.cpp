@@ -20,12 +20,6 @@ using ::testing::IsEmpty;
 using Points = std::vector<Point3>;
 using Colors = std::vector<Color4>;
 
-RawCloud read(std::string_view text, const ReadOptions& options = {}) {
-  auto cloud = parse_cloud(as_bytes(text), "test", options);
-  EXPECT_EQ(code_of(cloud), "ok") << detail_of(cloud);
-  return cloud ? std::move(*cloud) : RawCloud{};
-}
-
 std::string ply_of(const std::string& format, const std::string& properties, const std::string& rows, int count = 1) {
   return "ply\nformat " + format + " 1.0\nelement vertex " + std::to_string(count) +
          "\nproperty float x\nproperty float y\nproperty float z\n" + properties + "end_header\n" + rows;
@@ -111,6 +105,15 @@ TEST(StlDetails, bytes_behind_the_last_facet_are_ignored_with_a_warning_and_miss
   EXPECT_EQ(cloud.positions, read(text).positions);
   EXPECT_THAT(cloud.warnings.front(), HasSubstr("4 bytes after the last facet ignored"));
   EXPECT_EQ(code_of(parse_text(text.substr(0, text.size() - 1))), "truncated_input");
+}
+
+TEST(StlDetails, lines_behind_the_last_solid_are_left_with_a_warning_and_another_solid_is_read) {
+  const std::string solid = ascii_stl(two_facets());
+  EXPECT_THAT(read(solid + "\n# made by a program\n\x1a\n").warnings,
+              ::testing::Contains("2 lines after the last 'endsolid' ignored"));
+  const RawCloud two = read(solid + solid + "exported in 2024\n");
+  EXPECT_EQ(two.size(), 2 * read(solid).size());
+  EXPECT_THAT(two.warnings, ::testing::Contains("1 lines after the last 'endsolid' ignored"));
 }
 
 TEST(ObjDetails, a_statement_goes_on_behind_a_backslash) {
