@@ -108,9 +108,7 @@ Result<RawCloud> read_as(Kind kind, std::optional<io::StlKind> stl, ByteSource& 
     default:
       break;
   }
-  Result<RawCloud> cloud = io::read_text_cloud(source, name, options);
-  if (cloud || cloud.error().code != ErrorCode::unknown_format) return cloud;
-  return unknown_format(source, name);
+  return io::read_text_cloud(source, name, options);
 }
 
 bool is_wrapping(Kind kind) { return kind == Kind::gzip || kind == Kind::zip || kind == Kind::utf16; }

@@ -22,9 +22,10 @@ constexpr auto kColorWords =
 
 /// What has an x, y and z too, and is no place.
 constexpr auto kOtherVectors = std::to_array<std::string_view>(
-    {"n",     "normal", "normals", "norm",  "v",    "vel", "velocity",  "a",   "acc",      "accel", "acceleration", "f",
-     "force", "s",      "std",     "sigma", "sd",   "err", "error",     "rot", "rotation", "angle", "euler",        "q",
-     "quat",  "gyro",   "mag",     "scale", "size", "dir", "direction", "t",   "tangent"});
+    {"n",     "normal",       "normals",  "norm",      "v",     "vel",     "velocity",    "a",       "acc",
+     "accel", "acceleration", "f",        "force",     "s",     "std",     "sigma",       "sd",      "err",
+     "error", "rot",          "rotation", "angle",     "euler", "q",       "quat",        "gyro",    "mag",
+     "scale", "size",         "dir",      "direction", "t",     "tangent", "orientation", "angular", "linear"});
 
 /// What surveyors call the axes.
 constexpr auto kEast =
@@ -35,7 +36,11 @@ constexpr auto kNorth =
                                      "ynorth", "ynorthing", "northy", "northingy", "mn"});
 constexpr auto kUp = std::to_array<std::string_view>({"height", "elevation", "elev", "ele", "altitude", "alt", "hoehe",
                                                       "h\xc3\xb6he", "h\xf6he", "level", "rl", "cota", "quota",
-                                                      "zheight", "heightz", "zelev", "zelevation", "h"});
+                                                      "zheight", "heightz", "zelev", "zelevation", "h", "up"});
+/// What such a name may begin with.
+constexpr auto kWhose =
+    std::to_array<std::string_view>({"ortho", "orthometric", "ellipsoidal", "ellipsoid", "ell", "grid", "local",
+                                     "ground", "geoid", "project", "point", "utm"});
 constexpr auto kLongitude = std::to_array<std::string_view>({"lon", "long", "lng", "longitude", "londeg"});
 constexpr auto kLatitude = std::to_array<std::string_view>({"lat", "latitude", "latdeg"});
 
@@ -55,7 +60,17 @@ std::string plain(std::string_view name) {
 bool is_axis(std::string_view name, const auto& words, std::string_view letter, std::string_view number) {
   if (name.starts_with(letter) && is_among(words, name.substr(letter.size()))) return true;
   if (name.ends_with(letter) && is_among(words, name.substr(0, name.size() - letter.size()))) return true;
-  return name.size() > 1 && name.ends_with(number) && is_among(words, name.substr(0, name.size() - 1));
+  if (name.size() < 2 || !name.ends_with(number)) return false;
+  const std::string_view stem = name.substr(0, name.size() - 1);
+  return is_among(words, stem) || (stem.ends_with("xyz") && is_among(words, "xyz"));
+}
+
+/// Whether what stands before the letter of an axis says that the three are no place: vel, or pose.orientation.
+bool is_other_vector(std::string_view before) {
+  constexpr std::size_t kShortest = 4;
+  return is_among(kOtherVectors, before) || std::ranges::any_of(kOtherVectors, [&](std::string_view word) {
+           return word.size() >= kShortest && before.ends_with(word);
+         });
 }
 
 /// A surveyor's word, also with a unit behind it or a word for coordinates on either side.
@@ -63,7 +78,9 @@ bool is_word(const auto& words, std::string_view name) {
   for (const std::string_view more : {"", "m", "ft", "meters", "metres", "coord", "coordinate", "koordinate"}) {
     if (name.ends_with(more) && is_among(words, name.substr(0, name.size() - more.size()))) return true;
   }
-  return name.starts_with("utm") && is_among(words, name.substr(3));
+  return std::ranges::any_of(kWhose, [&](std::string_view whose) {
+    return name.starts_with(whose) && is_among(words, name.substr(whose.size()));
+  });
 }
 
 using Names = std::vector<std::string>;
@@ -108,8 +125,7 @@ std::optional<std::array<std::size_t, 3>> find_alike(const Names& names) {
   for (std::size_t c = 0; c < names.size(); ++c) {
     for (std::size_t i = 0; i < names[c].size(); ++i) {
       const bool numbered = names.size() == 3 && i > 0 && names[c][i] == '1';
-      if ((names[c][i] != 'x' && !numbered) || is_among(kOtherVectors, std::string_view(names[c]).substr(0, i)))
-        continue;
+      if ((names[c][i] != 'x' && !numbered) || is_other_vector(std::string_view(names[c]).substr(0, i))) continue;
       const auto with = [&](char letter) {
         std::string name = names[c];
         name[i] = letter;

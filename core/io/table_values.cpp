@@ -19,6 +19,8 @@ constexpr std::size_t kFewestWithGaps = 16;
 /// Classes, returns and counts of returns of laser scanners are no larger; colours are, somewhere in a cloud.
 constexpr double kLargestClass = 31;
 constexpr double kMostReturns = 15;
+/// The channels of a colour are like one another, an intensity is not so like them.
+constexpr double kClearlyGreyer = 0.75;
 
 bool is_constant(const ColumnValues& column) {
   return std::ranges::all_of(column.values, [&](double x) { return x == column.values.front(); });
@@ -53,26 +55,73 @@ bool are_north_and_east(const ColumnValues& first, const ColumnValues& second) {
   return within(first, 1e6, 1e7) && within(second, 1e5, 999'999);
 }
 
+std::array<double, 3> three_of(const std::vector<ColumnValues>& columns, std::size_t first, std::size_t row) {
+  return {columns[first].values[row], columns[first + 1].values[row], columns[first + 2].values[row]};
+}
+
+/// Whether it is so in all rows that have the three values, and there are some.
 template <class Is>
 bool all_rows(const std::vector<ColumnValues>& columns, std::size_t first, Is is) {
+  bool some = false;
   for (std::size_t row = 0; row < columns[first].values.size(); ++row) {
-    if (!is({columns[first].values[row], columns[first + 1].values[row], columns[first + 2].values[row]})) return false;
+    const auto values = three_of(columns, first, row);
+    if (are_missing(values)) continue;
+    if (!is(values)) return false;
+    some = true;
+  }
+  return some;
+}
+
+std::size_t count_distinct(const ColumnValues& column) {
+  std::vector<double> sorted = column.values;
+  std::erase_if(sorted, [](double x) { return std::isnan(x); });
+  std::ranges::sort(sorted);
+  return static_cast<std::size_t>(std::unique(sorted.begin(), sorted.end()) - sorted.begin());
+}
+
+/// Number of a return and number of returns.
+bool are_returns(const ColumnValues& number, const ColumnValues& count) {
+  if (!within(number, 1, kMostReturns) || !within(count, 1, kMostReturns)) return false;
+  for (std::size_t row = 0; row < number.values.size(); ++row) {
+    if (number.values[row] > count.values[row]) return false;
   }
   return true;
 }
 
-/// Class, number of a return, number of returns, in any order.
+/// Whether a column of few small numbers that come again stands beside such as have more of them, or fewer: a class
+/// beside an intensity or the number of a scan. The channels of a colour vary together.
+bool has_class_beside(const std::vector<ColumnValues>& columns, std::size_t first) {
+  std::array<std::size_t, 3> distinct{};
+  for (std::size_t i = 0; i < 3; ++i) distinct.at(i) = count_distinct(columns[first + i]);
+  const auto is_dark = [&](std::size_t i) { return largest(columns[first + i]) <= kLargestClass; };
+  for (std::size_t c = 0; c < 3; ++c) {
+    const bool repeats = 2 * distinct.at(c) <= columns[first + c].values.size() + 2;
+    if (!is_dark(c) || !repeats || largest(columns[first + c]) < 1) continue;
+    bool alone = true;
+    for (std::size_t i = 0; i < 3; ++i) alone &= is_dark(i) || distinct.at(i) != distinct.at(c);
+    if (alone) return true;
+  }
+  // One that varies beside two that stay.
+  return std::ranges::count(distinct, 1U) == 2 && std::ranges::max(distinct) >= kFewestCounted;
+}
+
+/// Class, return, number of returns, number of a scan, and what else is whole and small.
 bool are_classes(const std::vector<ColumnValues>& columns, std::size_t first) {
   const auto most = std::max({largest(columns[first]), largest(columns[first + 1]), largest(columns[first + 2])});
   if (most <= kLargestClass) return true;
-  const auto returns = [&](std::size_t number) {
-    if (!within(columns[number], 1, kMostReturns) || !within(columns[number + 1], 1, kMostReturns)) return false;
-    for (std::size_t row = 0; row < columns[number].values.size(); ++row) {
-      if (columns[number].values[row] > columns[number + 1].values[row]) return false;
-    }
+  if (are_returns(columns[first], columns[first + 1]) || are_returns(columns[first + 1], columns[first + 2]))
     return true;
-  };
-  return returns(first) || returns(first + 1);
+  return columns[first].values.size() >= kFewestCounted && has_class_beside(columns, first);
+}
+
+/// How far the channels are from one another, on average.
+double spread(const std::vector<ColumnValues>& columns, std::size_t first) {
+  double sum = 0;
+  for (std::size_t row = 0; row < columns[first].values.size(); ++row) {
+    const auto values = three_of(columns, first, row);
+    if (!are_missing(values)) sum += std::ranges::max(values) - std::ranges::min(values);
+  }
+  return sum;
 }
 
 class Groups {
@@ -88,17 +137,15 @@ class Groups {
   }
 
   /// Where more than three neighbours would do, an intensity or opacity stands before or behind the colour: the colour
-  /// are those three whose darkest channel is the brightest; of equals the last, unless what follows is opaque.
+  /// are those three of which all may be more than a class; of several the last, unless what follows is opaque, or an
+  /// earlier one is clearly closer to grey.
   void take_colors() {
     std::optional<std::size_t> best;
-    double best_brightness = -1;
     for (std::size_t c = 0; c + 3 <= columns_.size(); ++c) {
       if (!is_free(c) || !all_rows(columns_, c, is_color) || are_classes(columns_, c)) continue;
-      const double brightness = std::min({rank(c), rank(c + 1), rank(c + 2)});
-      const bool opaque_follows = best && *best + 1 == c && is_opaque(c + 2);
-      if (brightness < best_brightness || opaque_follows) continue;
+      if (best && (rank(c) < rank(*best) || (*best + 1 == c && is_opaque(c + 2)))) continue;
+      if (best && rank(c) == rank(*best) && spread(columns_, *best) < kClearlyGreyer * spread(columns_, c)) continue;
       best = c;
-      best_brightness = brightness;
     }
     if (best) take(*best, Role::r);
   }
@@ -110,8 +157,12 @@ class Groups {
     }
     return true;
   }
-  /// Whether a channel may be more than a class: only that counts, not how bright it is.
-  double rank(std::size_t c) const { return largest(columns_[c]) > kLargestClass ? 1 : 0; }
+  /// Whether every channel may be more than a class: only that counts, not how bright it is.
+  int rank(std::size_t first) const {
+    int all = 1;
+    for (std::size_t c = first; c < first + 3; ++c) all = largest(columns_[c]) > kLargestClass ? all : 0;
+    return all;
+  }
   bool is_opaque(std::size_t c) const { return is_constant(columns_[c]) && columns_[c].values.front() == 255; }
   void take(std::size_t first, Role role) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -124,6 +175,10 @@ class Groups {
 };
 
 }  // namespace
+
+bool are_missing(const std::array<double, 3>& v) {
+  return std::ranges::all_of(v, [](double x) { return std::isnan(x); });
+}
 
 bool is_normal(const std::array<double, 3>& v) { return std::abs(std::hypot(v[0], v[1], v[2]) - 1) <= kNormalSlack; }
 

@@ -18,6 +18,8 @@ struct ColumnValues {
   bool numeric = true;
 };
 
+/// Whether none of three values was measured.
+bool are_missing(const std::array<double, 3>& v);
 /// Whether three values are a normal: a vector of length 1, as files round it.
 bool is_normal(const std::array<double, 3>& v);
 /// Whether three values are a colour: whole numbers from 0 to 255.
@@ -25,7 +27,8 @@ bool is_color(const std::array<double, 3>& v);
 
 /// Roles of the columns: the first three that hold numbers are the position, behind a first column of numbers of points
 /// (they count up, or are whole and each its own before three columns with fractions); among the others, three
-/// neighbours are normals or colours if all of their values are.
+/// neighbours are normals or colours if all of their values are, and colours only if they vary together: not a class
+/// beside an intensity.
 /// @return  a role for every column; all none if there are not three columns of numbers.
 std::vector<Role> roles_by_values(const std::vector<ColumnValues>& columns);
 

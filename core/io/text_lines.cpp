@@ -40,6 +40,11 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+bool is_empty_row(std::string_view line, char separator) {
+  if (separator == ' ' || std::ranges::count(line, separator) < 2) return false;
+  return std::ranges::all_of(line, [&](char c) { return c == separator || c == '"' || is_blank(c); });
+}
+
 std::string_view take_word(std::string_view& text) {
   text = trimmed(text);
   const auto* const end = std::ranges::find_if(text, is_blank);

@@ -66,6 +66,10 @@ class Columns {
   std::size_t count_ = 0;
 };
 
+/// Whether the line holds nothing but separators (two at least), blanks and empty quotes: a point without a
+/// measurement.
+bool is_empty_row(std::string_view line, char separator);
+
 /// Cuts the first word, up to a blank, off the text.
 std::string_view take_word(std::string_view& text);
 

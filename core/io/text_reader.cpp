@@ -86,7 +86,8 @@ class TextReader {
       const Result<bool> there = lines_.next();
       if (!there) return there.error();
       if (!*there) break;
-      if (lines_.number() <= form_.skip || lines_.text().empty() || is_comment(lines_.text())) continue;
+      if (lines_.number() <= form_.skip || is_comment(lines_.text())) continue;
+      if (lines_.text().empty() && !(form_.separator == '\t' && is_empty_row(lines_.raw(), '\t'))) continue;
       if (Status status = read_row(); !status) return std::move(status).error();
     }
     if (Status counted = check_count(); !counted) return std::move(counted).error();
@@ -137,6 +138,8 @@ class TextReader {
     // The last value may be missing behind its separator.
     if (columns_.count() < needed_ && form_.separator != ' ' && lines_.raw().ends_with(form_.separator))
       columns_.push_missing();
+    while (columns_.count() < form_.roles.size() && is_empty_row(lines_.raw(), form_.separator))
+      columns_.push_missing();
     const std::size_t count = columns_.count();
     if (count == 1 && (cloud_.size() == 0 || (declared_ && cloud_.size() >= *declared_))) return read_count();
     if (form_.strict ? count != form_.roles.size() : count < needed_) {
@@ -170,7 +173,9 @@ class TextReader {
   /// Groups told by their values are those only if the rows behind the sample agree.
   void check_groups() {
     const auto all = [](const Group& group, const auto& is) {
-      return std::ranges::all_of(group.values, [&](const std::array<float, 3>& v) { return is({v[0], v[1], v[2]}); });
+      return std::ranges::all_of(group.values, [&](const std::array<float, 3>& v) {
+        return are_missing({v[0], v[1], v[2]}) || is({v[0], v[1], v[2]});
+      });
     };
     const auto drop = [&](std::optional<Group>& group, const char* what) {
       for (const std::size_t c : group->columns) form_.roles[c] = Role::none;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -109,6 +110,26 @@ TEST(Table, a_value_that_stands_for_no_measurement_is_nan) {
   ASSERT_TRUE(cloud.ok()) << detail_of(cloud);
   ASSERT_EQ(cloud->size(), 3U);
   EXPECT_TRUE(std::isnan(cloud->positions[1][0]) && std::isnan(cloud->positions[2][1]));
+}
+
+TEST(Table, an_empty_row_is_a_point_without_a_measurement_however_the_values_are_separated) {
+  for (const char* text : {"x\ty\tz\n1\t2\t3\n\t\t\n4\t5\t6\n", "1,2,3,9\n,,,\n4,5,6,9\n", "1,2,3,9\n,,\n4,5,6,9\n",
+                           "x;y;z;a;b\n1;2;3;9;9\n;;;;\n4;5;6;9;9\n", ",,\n1,2,3\n4,5,6\n",
+                           "\"1\",\"2\",\"3\"\n\"\",\"\",\"\"\n4,5,6\n"}) {
+    const auto cloud = parse_text(text);
+    ASSERT_TRUE(cloud.ok()) << text << detail_of(cloud);
+    EXPECT_EQ(cloud->size(), 3U) << text;
+    EXPECT_EQ(std::ranges::count_if(cloud->positions, [](const Point3& p) { return std::isnan(p[0]); }), 1) << text;
+  }
+  // A line of blanks is none.
+  EXPECT_EQ(parse_text("1 2 3\n \t\t\n4 5 6\n")->size(), 2U);
+}
+
+TEST(Table, text_that_is_none_is_called_text_and_shown) {
+  const auto prose = parse_text("Dear Sir or Madam,\nyour letter of 29 5 2007, has arrived.\nYours,\nI\n");
+  EXPECT_EQ(code_of(prose), "unknown_format");
+  EXPECT_THAT(detail_of(prose), HasSubstr("is text, but no table of points"));
+  EXPECT_THAT(detail_of(prose), HasSubstr("begins with 'Dear Sir or Madam,'"));
 }
 
 TEST(Table, of_utf_16_in_either_order_with_or_without_its_mark_is_read) {

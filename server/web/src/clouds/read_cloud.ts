@@ -11,7 +11,7 @@ import type { TableOptions } from './table';
 import { decodeText, encodingOf, isObj, readObj, readText } from './text';
 
 /** How texts of other formats begin. */
-const kStrangers = /^\s*(\[|<|[cn]?off\s|# vtk datafile|ncols\s|dsaa\s|; fbx|#usda|#vrml|#x3d|iso-10303-21|\{\\rtf|version https:\/\/git-lfs|0\s*\r?\n\s*section)/i;
+const kStrangers = /^\s*(\[\s*[[{"\]\d-]|<|newmtl|p[1-7f][\r\n]|[cn]?off\s|# vtk datafile|ncols\s|dsaa\s|; fbx|#usda|#vrml|#x3d|iso-10303-21|\{\\rtf|version https:\/\/git-lfs|0\s*\r?\n\s*section)/i;
 
 const isGzip = (bytes: Uint8Array): boolean => bytes[0] === 0x1f && bytes[1] === 0x8b;
 

@@ -28,6 +28,9 @@ export const kTableSample = 65_536;
 const kTableRows = 1000;
 const kMostColumns = 64;
 const kMostPreamble = 20;
+const kMostBehindHeader = 3;
+/** Lines with which a row of words and numbers is compared. */
+const kCompared = 10;
 const kSeparators = ['\t', ';', '|', ',', ' '];
 const kSeparatorWords: Record<string, string> = { tab: '\t', comma: ',', semicolon: ';', bar: '|', blank: ' ' };
 const kNumber = /^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$/;
@@ -41,6 +44,10 @@ const trimmed = (text: string): string => text.replace(/^[ \t\v\f]+|[ \t\v\f]+$/
 const isWhole = (cell: string): boolean => /^[+-]?\d+$/.test(cell);
 /** #N/A is what spreadsheets write for no value. */
 export const isComment = (line: string): boolean => (line.startsWith('#') && !/^#n\/a/i.test(line)) || line.startsWith('//');
+/** Nothing but separators, two at least, and empty quotes: a point without a measurement. */
+export const isEmptyRow = (line: string, separator: string): boolean =>
+  separator !== ' ' && line.split(separator).length > 2 && [...line].every((c) => c === separator || c === '"' || /[ \t\v\f]/.test(c));
+const isContent = (line: string): boolean => trimmed(line) !== '' && !isComment(trimmed(line)) && !isWhole(trimmed(line));
 const withoutMark = (line: string): string => trimmed(line.slice(line.startsWith('//') ? 2 : 1));
 
 /** Digits in groups of three, at least two of them, and perhaps a decimal sign and more digits. */
@@ -110,12 +117,36 @@ const cellsOf = (line: string, separator: string): string[] => valuesOf(line, se
 
 const hasDecimalComma = (cell: string): boolean => /^[^,]*,\d[^,]*$/.test(cell) && (!cell.includes('.') || kPointGroups.test(cell));
 
+/** Whether the line names x, y and z, whatever separates the names. */
+function namesColumns(line: string): boolean {
+  const text = withoutUnits(line);
+  return line.length >= 5 && kSeparators.some((separator) => {
+    const meaning = meaningOf(cellsOf(text, separator));
+    return meaning.hasPosition || meaning.degrees;
+  });
+}
+
+/** A row as a separator splits it: how many cells, and which of them hold values. */
+function shapeOf(line: string, separator: string): { cells: number; values: number[] } {
+  const cells = cellsOf(line, separator);
+  return { cells: cells.length, values: cells.flatMap((cell, c) => (countValues([cell], true) > 0 ? [c] : [])) };
+}
+
+/** No word beside its values, whose places are there: 17,,, */
+const isSparse = (cells: string[], separator: string): boolean =>
+  separator !== ' ' && cells.length >= 3 && cells.every((cell) => cell === '' || countValues([cell], true) > 0);
+
+function areAlike(a: { cells: number; values: number[] }, b: { cells: number; values: number[] }): boolean {
+  return b.values.length >= 3 && (a.cells === b.cells || [0, 1, 2].every((i) => a.values[i] === b.values[i]));
+}
+
 class Guesser {
   private roles: Role[] | undefined;
   private header: string | undefined;
   private hinted: string | undefined;
   private tries = 0;
   private lastPassed = '';
+  private behindHeader = 0;
   private rows: string[] = [];
   private readonly form: TableForm;
 
@@ -142,19 +173,46 @@ class Guesser {
       const line = trimmed(lines[at]);
       if (line === '' || isWhole(line)) continue;
       const comment = isComment(line);
-      if (!comment && this.looksLikeRow(line)) break;
+      const blank = kSeparators.some((separator) => isEmptyRow(lines[at], separator));
+      if (blank && this.header === undefined) continue;
+      if (blank || (!comment && this.looksLikeRow(line) && this.beginsTable(lines, at))) break;
       const known = (!comment && this.takeHint(line)) || this.takeHeader(comment ? withoutMark(line) : lines[at]);
       if (known || !comment) this.form.skip = at + 1;
       if (known || comment) continue;
       this.lastPassed = line;
+      if (this.header !== undefined) this.behindHeader += 1;
       preamble += 1;
     }
     if (preamble > kMostPreamble) at = lines.length; // prose
     for (; at < lines.length && this.rows.length < kTableRows; at += 1) {
-      const line = trimmed(lines[at]);
-      if (line !== '' && !isComment(line) && !isWhole(line)) this.rows.push(lines[at]);
+      if (isContent(lines[at])) this.rows.push(lines[at]);
     }
-    if (this.rows.length === 0 && !this.header) throw new UnreadableCloud('no line of the text holds three numbers');
+    const none = this.rows.length === 0 && (this.header === undefined || this.behindHeader > kMostBehindHeader);
+    if (none) throw new UnreadableCloud('no line of the text holds three numbers');
+    if (!this.options.columns && this.isProse()) throw new UnreadableCloud('the text is no table of points');
+  }
+
+  /** Words may stand beside the numbers of a row if they do so in most of the next lines. */
+  private beginsTable(lines: string[], at: number): boolean {
+    if (this.header !== undefined) return true;
+    const next: string[] = [];
+    for (let i = at + 1; i < lines.length && next.length < kCompared; i += 1) if (isContent(lines[i])) next.push(lines[i]);
+    if (next.length > 0 && namesColumns(next[0])) return false;
+    return this.separators().some((separator) => {
+      const shape = shapeOf(lines[at], separator);
+      if (isSparse(cellsOf(lines[at], separator), separator)) return true;
+      if (shape.values.length < 3) return false;
+      // A last line of words and numbers behind others is prose.
+      if (next.length === 0 && shape.values.length < shape.cells) return this.lastPassed === '';
+      const alike = next.filter((line) => areAlike(shape, shapeOf(line, separator))).length;
+      return shape.values.length === shape.cells || 2 * alike >= next.length;
+    });
+  }
+
+  /** A few broken rows do not make it that. */
+  private isProse(): boolean {
+    const rows = this.rows.filter((row) => this.looksLikeRow(row) || kSeparators.some((separator) => isEmptyRow(row, separator)));
+    return 2 * rows.length < this.rows.length;
   }
 
   private takeHint(line: string): boolean {
@@ -163,22 +221,30 @@ class Guesser {
     return true;
   }
 
+  private separators(): string[] {
+    return this.options.separator ? [signOf(this.options.separator)] : kSeparators;
+  }
+
   private looksLikeRow(line: string): boolean {
-    const given = this.options.separator;
-    return (given ? [signOf(given)] : kSeparators).some((separator) => countValues(cellsOf(line, separator), true) >= (this.header === undefined ? 3 : 1));
+    return this.separators().some((separator) => {
+      const cells = cellsOf(line, separator);
+      const values = countValues(cells, true);
+      return values >= (this.header === undefined ? 3 : 1) || (values > 0 && isSparse(cells, separator));
+    });
   }
 
   private takeHeader(line: string): boolean {
-    if (this.header !== undefined || line.length < 5) return false;
+    if (this.header !== undefined) return false;
     this.tries += 1;
-    if (this.tries > 100) return false;
-    const text = withoutUnits(line);
-    const known = kSeparators.some((separator) => {
-      const meaning = meaningOf(cellsOf(text, separator));
-      return meaning.hasPosition || meaning.degrees;
-    });
-    if (known) this.header = line;
-    return known;
+    if (this.tries > 100 || !namesColumns(line)) return false;
+    this.header = line;
+    return true;
+  }
+
+  /** The first with three values, or else with anything. */
+  private firstRow(): string {
+    const withValues = (least: number): string | undefined => this.rows.find((row) => countValues(cellsOf(row, this.form.separator), true) >= least);
+    return withValues(3) ?? withValues(1) ?? this.rows[0];
   }
 
   private tellSeparator(): void {
@@ -202,10 +268,10 @@ class Guesser {
 
   private guessedSeparator(): string {
     const good = kSeparators.find((separator) => {
-      const bad = this.rows.filter((row) => countValues(cellsOf(row, separator), separator !== ',') < 3).length;
+      const bad = this.rows.filter((row) => !isEmptyRow(row, separator) && countValues(cellsOf(row, separator), separator !== ',') < 3).length;
       return 10 * bad <= this.rows.length;
     });
-    return good ?? ['\t', ';', '|', ','].find((separator) => this.rows[0].includes(separator)) ?? ' ';
+    return good ?? ['\t', ';', '|', ','].find((separator) => this.firstRow().includes(separator)) ?? ' ';
   }
 
   private checkCommas(): void {
@@ -233,7 +299,7 @@ class Guesser {
       this.form.roles = rolesByValues(values);
       if (!this.form.roles.includes('x')) {
         // The first row decides, so that a later one that breaks the table is named where it is read.
-        const cells = cellsOf(this.rows[0], this.form.separator);
+        const cells = cellsOf(this.firstRow(), this.form.separator);
         values.forEach((column, c) => { column.numeric = isNumber(cells[c], this.form.decimalComma); });
         this.form.roles = rolesByValues(values);
       }
@@ -246,8 +312,8 @@ class Guesser {
   /** A separator at its end is one more, where the header has a name for it. */
   private columnsOfFirstRow(): number {
     const { separator } = this.form;
-    const columns = cellsOf(this.rows[0], separator).length;
-    const open = separator !== ' ' && this.rows[0].endsWith(separator);
+    const columns = cellsOf(this.firstRow(), separator).length;
+    const open = separator !== ' ' && this.firstRow().endsWith(separator);
     return open && this.header !== undefined && cellsOf(this.header, separator).length === columns + 1 ? columns + 1 : columns;
   }
 
@@ -290,6 +356,7 @@ class Guesser {
   private valuesOfColumns(columns: number): ColumnValues[] {
     const values: ColumnValues[] = Array.from({ length: columns }, () => ({ values: [], numeric: true }));
     for (const row of this.rows) {
+      if (isEmptyRow(row, this.form.separator)) continue;
       const cells = cellsOf(row, this.form.separator);
       values.forEach((column, c) => {
         const value = c < cells.length ? parseCell(cells[c], this.form.decimalComma) : NaN;

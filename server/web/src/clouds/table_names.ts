@@ -12,10 +12,12 @@ const kNormalWords = new Set('n normal normals norm'.split(' '));
 const kColorWords = words('color colour col rgb f diffuse color8 scan');
 const kEast = new Set('easting eastings east rechtswert rechts ostwert ost este est xeast xeasting eastx eastingx me'.split(' '));
 const kNorth = new Set('northing northings north hochwert hoch nordwert nord norte ynorth ynorthing northy northingy mn'.split(' '));
-const kUp = new Set('height elevation elev ele altitude alt hoehe höhe h\ufffdhe level rl cota quota zheight heightz zelev zelevation h'.split(' '));
+const kUp = new Set('height elevation elev ele altitude alt hoehe höhe h\ufffdhe level rl cota quota zheight heightz zelev zelevation h up'.split(' '));
 /** What has an x, y and z too, and is no place. */
 const kOtherVectors = new Set(('n normal normals norm v vel velocity a acc accel acceleration f force s std sigma sd err error rot rotation angle euler q quat gyro mag scale ' +
-  'size dir direction t tangent').split(' '));
+  'size dir direction t tangent orientation angular linear').split(' '));
+/** What such a name may begin with. */
+const kWhose = 'ortho orthometric ellipsoidal ellipsoid ell grid local ground geoid project point utm'.split(' ');
 const kLongitude = new Set('lon long lng longitude londeg'.split(' '));
 const kLatitude = new Set('lat latitude latdeg'.split(' '));
 
@@ -33,12 +35,16 @@ const plain = (name: string): string => lower(name).replace(/[^a-z0-9\u0080-\uff
 function isAxis(name: string, among: Set<string>, letter: string, number: string): boolean {
   if (name.startsWith(letter) && among.has(name.slice(letter.length))) return true;
   if (name.endsWith(letter) && among.has(name.slice(0, name.length - letter.length))) return true;
-  return name.length > 1 && name.endsWith(number) && among.has(name.slice(0, -1));
+  const stem = name.slice(0, -1);
+  return name.length > 1 && name.endsWith(number) && (among.has(stem) || (stem.endsWith('xyz') && among.has('xyz')));
 }
 
 const isWord = (among: Set<string>, name: string): boolean =>
   ['', 'm', 'ft', 'meters', 'metres', 'coord', 'coordinate', 'koordinate'].some((more) => name.endsWith(more) && among.has(name.slice(0, name.length - more.length))) ||
-  (name.startsWith('utm') && among.has(name.slice(3)));
+  kWhose.some((whose) => name.startsWith(whose) && among.has(name.slice(whose.length)));
+
+/** Whether what stands before the letter of an axis says that the three are no place. */
+const isOtherVector = (before: string): boolean => kOtherVectors.has(before) || [...kOtherVectors].some((word) => word.length >= 4 && before.endsWith(word));
 
 function takeGroup(names: string[], among: Set<string>, letters: string[], first: Role, meaning: HeaderMeaning): void {
   const columns = letters.map((letter, i) => names.findIndex((name) => isAxis(name, among, letter, String(i))));
@@ -56,7 +62,7 @@ function findCompass(names: string[], among: Set<string>, letter: string, other:
 function findAlike(names: string[]): number[] | undefined {
   const found = names.flatMap((name, c) => [...name].flatMap((letter, i) => {
     const numbered = names.length === 3 && i > 0 && letter === '1';
-    if ((letter !== 'x' && !numbered) || kOtherVectors.has(name.slice(0, i))) return [];
+    if ((letter !== 'x' && !numbered) || isOtherVector(name.slice(0, i))) return [];
     const others = (numbered ? ['2', '3'] : ['y', 'z']).map((other) => names.indexOf(name.slice(0, i) + other + name.slice(i + 1)));
     return others.every((column) => column >= 0) ? [[c, ...others]] : [];
   }));

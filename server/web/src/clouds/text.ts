@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Positions of text: XYZ, CSV, PTS, as the server reads them.
 import { UnreadableCloud } from './cloud_data';
-import { guessTable, isComment, kTableSample, parseCell, valuesOf, type TableForm, type TableOptions } from './table';
+import { guessTable, isComment, isEmptyRow, kTableSample, parseCell, valuesOf, type TableForm, type TableOptions } from './table';
 
 export interface TextPoints {
   xyz: Float64Array;
@@ -40,10 +40,13 @@ export function readText(bytes: Uint8Array, options: TableOptions = {}): TextPoi
   let declared: number | undefined;
   text.split(/\r\n|\n|\r/).forEach((line, at) => {
     const start = line.trimStart();
-    if (at < form.skip || start === '' || start === '\u001a' || isComment(start)) return;
+    if (at < form.skip || start === '\u001a' || isComment(start)) return;
+    const empty = isEmptyRow(line, form.separator);
+    if (start === '' && !empty) return;
     const cells = valuesOf(line, form.separator);
     // The last value may be missing behind its separator.
     if (form.separator !== ' ' && line.endsWith(form.separator)) cells.push('');
+    while (empty && cells.length < form.roles.length) cells.push('');
     if (cells.length === 1) {
       declared = countedIn(cells[0], values.length / 3, declared);
       if (declared === undefined) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
