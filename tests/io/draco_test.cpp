@@ -113,10 +113,14 @@ void expect_sane(const Bytes& bytes, const std::string& what) {
   }
 }
 
-TEST(DracoHostile, every_flipped_bit_is_survived) {
+/// What counts and sizes are in is at the beginning; behind it a bit of every byte stands for all (draco_fuzz flips the
+/// others, too).
+TEST(DracoHostile, every_flipped_bit_of_the_beginning_and_one_of_every_other_byte_is_survived) {
+  constexpr std::size_t kBeginning = 48;
   for (const DracoFile& file : small_draco_files()) {
     Bytes bytes = file.bytes;
     for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+      if (bit / 8 >= kBeginning && bit % 8 != bit / 8 % 8) continue;
       const auto mask = static_cast<std::byte>(1U << bit % 8);
       bytes[bit / 8] ^= mask;
       expect_sane(bytes, file.name + ", bit " + std::to_string(bit));
