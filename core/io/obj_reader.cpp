@@ -33,9 +33,14 @@ class ObjReader {
 
   Status run() {
     for (;;) {
-      const Result<bool> there = next_statement();
+      const Result<bool> there = lines_.next();
       if (!there) return there.error();
       if (!*there) break;
+      statement_ = lines_.text();
+      // A path in a comment may end so too.
+      if (statement_.ends_with('\\') && !statement_.starts_with('#')) {
+        if (Status joined = join_lines(); !joined) return joined;
+      }
       std::string_view rest = statement_;
       const std::string_view keyword = take_word(rest);
       Status status = keyword == "v"                  ? read_vertex(rest)
@@ -55,26 +60,23 @@ class ObjReader {
   std::uint64_t skipped_faces = 0;
 
  private:
-  /// A line, with those that it continues in by a '\\' at its end.
-  Result<bool> next_statement() {
-    Result<bool> there = lines_.next();
-    if (!there || !*there) return there;
-    statement_ = lines_.text();
-    // A path in a comment may end so too.
-    if (!statement_.ends_with('\\') || statement_.starts_with('#')) return there;
+  /// Makes a statement of the line and those that it continues in by a '\\' at its end.
+  Status join_lines() {
     joined_.clear();
-    while (*there && lines_.text().ends_with('\\')) {
+    for (bool more = true; more;) {
       joined_.append(lines_.text());
+      more = joined_.ends_with('\\');
+      if (!more) break;
       joined_.back() = ' ';
       if (joined_.size() > kLongestStatement) {
         return lines_.malformed("a statement of more than " + std::to_string(kLongestStatement) + " bytes");
       }
-      there = lines_.next();
-      if (!there) return there;
+      const Result<bool> there = lines_.next();
+      if (!there) return there.error();
+      more = *there;
     }
-    if (*there) joined_.append(lines_.text());
     statement_ = joined_;
-    return true;
+    return Done{};
   }
 
   Status skip(std::string_view keyword) {

@@ -46,10 +46,9 @@ bool parse_unusual(std::string_view text, bool decimal_comma, double& value) {
 /// The number of a cell; what stands for no measurement is none here.
 bool parse_value(std::string_view text, bool decimal_comma, double& value) {
   if (text.size() >= kTokenLimit) return false;
+  if (parse_number(text, Scalar::float64, value)) return true;
   const std::size_t comma = text.find(',');
-  if (comma == std::string_view::npos) {
-    return parse_number(text, Scalar::float64, value) || parse_unusual(text, decimal_comma, value);
-  }
+  if (comma == std::string_view::npos) return parse_unusual(text, decimal_comma, value);
   std::string pointed(text);
   if (is_grouped(text, ',', '.') && text.find('.') != text.npos) {
     return parse_number(without(pointed, ','), Scalar::float64, value);
