@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -20,6 +21,8 @@ constexpr int kSpeed = 3;
 /// Bits of a float32. On a finer grid Draco would count how often each step occurs, in a table of all steps: 4 GB for
 /// 30 bits.
 constexpr int kMostQuantised = std::numeric_limits<float>::digits;
+/// Beyond it Draco's differences of floats overflow and end in addresses that are not its own.
+constexpr double kLargestQuantised = 1e37;
 /// Bytes before the triangles: header and two counts.
 constexpr std::size_t kMostHeader = 11 + 5 + 5;
 
@@ -50,14 +53,23 @@ void add_positions(draco::Mesh& target, const TriangleMesh& mesh, bool narrow) {
   add_attribute(target, GeometryAttribute::POSITION, draco::DT_FLOAT32, false, positions);
 }
 
+/// The bits to which the positions can be quantised; none if they stay as they are.
+std::optional<int> bits_for(const std::vector<Point3>& positions, const std::optional<int>& bits) {
+  if (!bits || *bits > kMostQuantised) return {};
+  const auto fits = [](const Point3& p) {
+    return std::ranges::all_of(p, [](double x) { return std::abs(x) < kLargestQuantised; });
+  };
+  return std::ranges::all_of(positions, fits) ? bits : std::nullopt;
+}
+
 /// Sequential, because the other encoding, edgebreaker, reorders vertices and splits those that are not
 /// manifold.
-draco::Status encode(const draco::Mesh& mesh, std::optional<int> bits, draco::EncoderBuffer& buffer) {
+draco::Status encode(const draco::Mesh& mesh, const std::optional<int>& bits, draco::EncoderBuffer& buffer) {
   draco::Encoder encoder;
   encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
   encoder.SetSpeedOptions(kSpeed, kSpeed);
   encoder.options().SetGlobalBool("compress_connectivity", true);
-  if (bits && *bits <= kMostQuantised) encoder.SetAttributeQuantization(GeometryAttribute::POSITION, *bits);
+  if (bits) encoder.SetAttributeQuantization(GeometryAttribute::POSITION, *bits);
   return encoder.EncodeMeshToBuffer(mesh, &buffer);
 }
 
@@ -74,8 +86,10 @@ Result<Bytes> write_draco(const TriangleMesh& mesh, const std::optional<int>& bi
   }
   draco::Mesh target;
   target.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
+  const std::optional<int> used_bits = bits_for(mesh.positions, bits);
   // Draco quantises float32 only; without quantisation doubles are kept as they are.
-  add_positions(target, mesh, bits.has_value() || fits_float32(mesh.positions));
+  const bool more_than_floats_have = bits && *bits > kMostQuantised;
+  add_positions(target, mesh, used_bits || more_than_floats_have || fits_float32(mesh.positions));
   if (!mesh.normals.empty()) {
     add_attribute(target, GeometryAttribute::NORMAL, draco::DT_FLOAT32, false, mesh.normals);
   }
@@ -88,7 +102,7 @@ Result<Bytes> write_draco(const TriangleMesh& mesh, const std::optional<int>& bi
                    {draco::PointIndex(t[0].value), draco::PointIndex(t[1].value), draco::PointIndex(t[2].value)});
   }
   draco::EncoderBuffer buffer;
-  const draco::Status status = encode(target, bits, buffer);
+  const draco::Status status = encode(target, used_bits, buffer);
   if (!status.ok()) return Error{ErrorCode::internal_error, "Draco refused the mesh: " + status.error_msg_string()};
   const auto* begin = reinterpret_cast<const std::byte*>(buffer.data());
   Bytes bytes(begin, begin + buffer.size());

@@ -211,6 +211,18 @@ TEST(RoundTrip, quantised_draco_errs_by_no_more_than_half_a_step) {
   }
 }
 
+TEST(RoundTrip, positions_near_the_largest_float_are_kept_instead_of_quantised) {
+  TriangleMesh mesh = tetrahedron();
+  mesh.positions = {{-1e38, 0, 0}, {1.6e38, 1, 0}, {0, 3e38, 1}, {1, 1e38, -3e38}};
+  for (const int bits : {11, 21}) {
+    const auto bytes =
+        encode_mesh(mesh, MeshFormat::drc, {.quantization_bits = bits, .up = UpAxis::y, .extras_json = {}}).value();
+    const auto back = decode_mesh(bytes, "mesh");
+    ASSERT_TRUE(back) << detail_of(back);
+    EXPECT_EQ(back->positions, mesh.positions);
+  }
+}
+
 TEST(RoundTrip, few_values_of_many_bits_take_no_more_memory_than_others) {
   const TriangleMesh mesh = as_floats(torus_mesh(40, 30));
   for (const int bits : {22, 23, 26, 30}) {
