@@ -195,7 +195,7 @@ test('the curl example waits, downloads and prints the report, and shows a probl
     gltfJson(readFileSync(path.join(folder, 'knot.glb')));
     const bad = run(path.join(source, 'README.md'), path.join(folder, 'none.glb'), 'method=advancing-front');
     assert.notEqual(bad.status, 0);
-    assert.match(bad.stderr, /failed: the cloud is in no format/);
+    assert.match(bad.stderr, /failed: the cloud is text, but no table of points/);
     assert.equal(run('--help').status, 0);
   } finally {
     rmSync(folder, { recursive: true, force: true });
