@@ -148,14 +148,17 @@ Result<std::vector<Candidate>> those_of(Made made) {
 
 Error cancelled_while_making() { return {ErrorCode::cancelled, "cancelled while making candidates"}; }
 
+/// All, of which some may be made already.
+Result<std::vector<Candidate>> make_all(const Material& material, Made made, Context& context) {
+  const auto any = [](const Recipe&) { return true; };
+  if (!make_some(material, any, made, context)) return cancelled_while_making();
+  return those_of(std::move(made));
+}
+
 }  // namespace
 
 Result<std::vector<Candidate>> make_candidates(const Material& material, Context& context) {
-  Made made(material.recipes.size());
-  if (!make_some(
-          material, [](const Recipe&) { return true; }, made, context))
-    return cancelled_while_making();
-  return those_of(std::move(made));
+  return make_all(material, Made(material.recipes.size()), context);
 }
 
 Result<std::vector<Candidate>> make_candidates_until_sure(const Material& material, Context& context) {
@@ -168,10 +171,7 @@ Result<std::vector<Candidate>> make_candidates_until_sure(const Material& materi
     if (!make_some(material, of_two_ways, made, context)) return cancelled_while_making();
     if (agree(made)) return those_of(std::move(made));
   }
-  if (!make_some(
-          material, [](const Recipe&) { return true; }, made, context))
-    return cancelled_while_making();
-  return those_of(std::move(made));
+  return make_all(material, std::move(made), context);
 }
 
 std::int64_t usual_handles(const std::vector<Candidate>& candidates) {

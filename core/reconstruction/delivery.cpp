@@ -98,11 +98,7 @@ Status keep(const TriangleMesh& mesh, const std::filesystem::path& file) {
 Status write_more(const FileRequest& request, const TriangleMesh& mesh, Json report) {
   report["encoding"] = nullptr;
   for (const std::filesystem::path& file : request.more_meshes) {
-    const Result<MeshFormat> format = mesh_format_of(file);
-    if (!format) return format.error();
-    const Result<std::vector<std::byte>> bytes = encode_again(mesh, *format, request.parameters, report);
-    if (!bytes) return bytes.error();
-    if (Status written = write_file(file, *bytes); !written) return written;
+    if (Status written = write_again(mesh, file, request.parameters, report); !written) return written;
   }
   return Done{};
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "quality/quality.hpp"
 #include "reconstruction/position_set.hpp"
@@ -104,6 +105,13 @@ Result<std::vector<std::byte>> encode_again(const TriangleMesh& mesh, MeshFormat
   if (report.contains("provenance")) report["provenance"].erase("input_sha256");
   options.extras_json = report.dump(-1, ' ', false, Json::error_handler_t::replace);
   return encode_mesh(mesh, format, options);
+}
+
+Status write_again(const TriangleMesh& mesh, const std::filesystem::path& file, const Json& parameters, Json report) {
+  const Result<MeshFormat> format = mesh_format_of(file);
+  if (!format) return format.error();
+  const Result<std::vector<std::byte>> bytes = encode_again(mesh, *format, parameters, std::move(report));
+  return bytes ? write_file(file, *bytes) : bytes.error();
 }
 
 }  // namespace surfaced

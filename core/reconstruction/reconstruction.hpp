@@ -105,6 +105,9 @@ EncodeOptions encode_options_of(const Json& parameters, const TriangleMesh& mesh
 Result<std::vector<std::byte>> encode_again(const TriangleMesh& mesh, MeshFormat format, const Json& parameters,
                                             Json report);
 
+/// The same into a file, in the format of its name.
+Status write_again(const TriangleMesh& mesh, const std::filesystem::path& file, const Json& parameters, Json report);
+
 /// One file in, one file out.
 struct FileRequest {
   std::filesystem::path cloud;

@@ -5,14 +5,12 @@
 
 #include "io/io.hpp"
 #include "platform/files.hpp"
+#include "reconstruction/reconstruction.hpp"
 #include "worker/confined_work.hpp"
-#include "worker/convert.hpp"
 #include "worker/side_task.hpp"
 
 namespace surfaced {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Status inspect(const AttemptSpec& spec) {
   auto raw = read_cloud(spec.cloud, ReadLimits{spec.limits.max_points}, "the cloud");
@@ -38,7 +36,9 @@ Status convert(const AttemptSpec& spec) {
   if (std::ifstream extra(spec.directory / kExtraFile); extra) report = Json::parse(extra, nullptr, false);
   // What the first file lost is not lost in this one.
   if (report.is_object() && spec.cloud.filename() == kKeptMesh) report["encoding"] = nullptr;
-  return convert_mesh(spec.cloud, spec.directory / spec.mesh, spec.parameters, std::move(report));
+  const auto mesh = read_mesh(spec.cloud);
+  if (!mesh) return mesh.error();
+  return write_again(*mesh, spec.directory / spec.mesh, spec.parameters, std::move(report));
 }
 
 }  // namespace
