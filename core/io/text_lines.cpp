@@ -83,8 +83,8 @@ Result<bool> TextLines::next() {
   return true;
 }
 
-void Columns::push(std::string_view value) {
-  if (count_ < kMost) values_[count_] = without_quotes(trimmed(value));
+void Columns::push_trimmed(std::string_view value) {
+  if (count_ < kMost) values_[count_] = without_quotes(value);
   ++count_;
 }
 
@@ -93,19 +93,26 @@ void Columns::split(std::string_view line, char separator, bool quoted) {
   if (quoted && line.find('"') != std::string_view::npos) {
     for (line = trimmed(line); !line.empty();) {
       const std::size_t end = value_end(line, separator);
-      push(line.substr(0, end));
+      push_trimmed(trimmed(line.substr(0, end)));
       line.remove_prefix(std::min(end + 1, line.size()));
       if (separator == ' ') line = trimmed(line);
     }
     return;
   }
   if (separator == ' ') {
-    for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) push(word);
-    return;
+    const char* at = line.data();
+    const char* const end = at + line.size();
+    for (;;) {
+      while (at != end && is_blank(*at)) ++at;
+      if (at == end) return;
+      const char* const word = at;
+      while (at != end && !is_blank(*at)) ++at;
+      push_trimmed({word, static_cast<std::size_t>(at - word)});
+    }
   }
   while (!line.empty()) {
     const std::size_t end = std::min(line.find(separator), line.size());
-    push(line.substr(0, end));
+    push_trimmed(trimmed(line.substr(0, end)));
     line.remove_prefix(std::min(end + 1, line.size()));
   }
 }

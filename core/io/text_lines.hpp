@@ -54,13 +54,13 @@ class Columns {
   void split(std::string_view line, char separator, bool quoted = false);
 
   /// Adds a value that is not in the line.
-  void push_missing() { push({}); }
+  void push_missing() { push_trimmed({}); }
 
   std::size_t count() const { return count_; }
   std::string_view operator[](std::size_t i) const { return values_[i]; }
 
  private:
-  void push(std::string_view value);
+  void push_trimmed(std::string_view value);
 
   std::array<std::string_view, kMost> values_;
   std::size_t count_ = 0;

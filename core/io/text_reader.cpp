@@ -19,6 +19,8 @@ namespace {
 
 /// "0 0 0" and a line end.
 constexpr std::uint64_t kLeastRow = 6;
+/// After so many rows memory is set aside for the others, if all are as long.
+constexpr std::size_t kMeasuredRows = 1000;
 
 using Three = std::array<std::size_t, 3>;
 
@@ -68,6 +70,7 @@ class TextReader {
  public:
   TextReader(ByteSource& source, std::string_view name, const ReadOptions& options, TableForm form)
       : source_(source),
+        bytes_(source.remaining()),
         name_(name),
         lines_(source, name),
         most_(most_points(options.limits)),
@@ -149,6 +152,7 @@ class TextReader {
     }
     if (declared_ && cloud_.size() >= *declared_) ++undeclared_;
     if (cloud_.size() >= most_) return too_many(name_, cloud_.size() + 1, most_);
+    if (cloud_.size() == kMeasuredRows) reserve();
     Point3 point{};
     if (Status status = read_three(position_, point); !status) return status;
     cloud_.positions.push_back(point);
@@ -168,6 +172,15 @@ class TextReader {
                               " is no number");
     }
     return Done{};
+  }
+
+  void reserve() {
+    const std::uint64_t row = std::max((bytes_ - source_.remaining()) / lines_.number(), kLeastRow);
+    const auto points = static_cast<std::size_t>(std::min(cloud_.size() + source_.remaining() / row, most_));
+    cloud_.positions.reserve(points);
+    for (std::optional<Group>* group : {&normals_, &colors_}) {
+      if (*group) (*group)->values.reserve(points);
+    }
   }
 
   /// Groups told by their values are those only if the rows behind the sample agree.
@@ -234,6 +247,7 @@ class TextReader {
   }
 
   ByteSource& source_;
+  std::uint64_t bytes_;
   std::string_view name_;
   TextLines lines_;
   std::uint64_t most_;
