@@ -41,7 +41,7 @@ if(SURFACED_SANITIZE)
   endif()
 endif()
 if(SURFACED_FUZZ)  # what libFuzzer steers by
-  add_compile_options(-fsanitize=fuzzer-no-link)
+  add_compile_options(-fsanitize=fuzzer-no-link -fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/tests/fuzz/not_ours.txt)
 endif()
 
 # One target carries the warnings, so that code of other projects compiled here goes without.

@@ -245,8 +245,7 @@ class Flipping {
       if (d && angles_exceed_pi(places_, *d)) failing.push_back(key(e.from, e.to));
     }
     std::ranges::sort(failing);
-    const auto repeated = std::ranges::unique(failing);
-    return failing.size() - repeated.size();
+    return static_cast<std::size_t>(std::unique(failing.begin(), failing.end()) - failing.begin());
   }
 
   Fans& fans_;

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "io/table_numbers.hpp"
@@ -223,7 +224,9 @@ class Guesser {
     std::size_t known = 0;
     while (known < form_.roles.size() && form_.roles[known] != Role::none) ++known;
     form_.guessed = true;
-    if (known >= 3 && known <= columns) {
+    const std::span<const Role> first(form_.roles.data(), known);
+    const auto has = [&](Role role) { return std::ranges::find(first, role) != first.end(); };
+    if (known <= columns && has(Role::x) && has(Role::y) && has(Role::z)) {
       form_.roles.resize(known);
       form_.roles.resize(columns, Role::none);
       return Done{};

@@ -2,7 +2,6 @@
 #include "access/client_address.hpp"
 
 #include <algorithm>
-#include <ranges>
 
 #include "platform/lists.hpp"
 
@@ -40,7 +39,8 @@ std::string client_address(const std::string& connection, const http::Headers& h
   // Nobody who comes by way of another machine is on this one, whatever the header says.
   const auto believed = [](std::string client) { return is_loopback(client) ? std::string("unknown") : client; };
   std::string client;
-  for (std::string_view line : lines | std::views::reverse) {
+  for (; !lines.empty(); lines.pop_back()) {
+    std::string_view& line = lines.back();
     while (!line.empty()) {
       const std::string_view entry = take_last(line);
       // An empty entry of a list says nothing (RFC 9110 §5.6.1).

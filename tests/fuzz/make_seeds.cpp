@@ -122,6 +122,7 @@ void save_scan_seeds() {
   save_text("obj/continued.obj", "g \\\nname\nv 1 \\\n 2 3\nv 4 5 6\n");
   save_text("stl/more.stl", binary_stl(two_facets(), "made by hand") + "more");
   save_text("stl/end.stl", ascii_stl(two_facets()) + "# made by a program\n");
+  save_text("text/header_without_z.txt", "x y r g b and z\n1 2 0 60 40\n3 4 10 20 30\n");
   save_text("text/empty_rows.csv", "Nr;X;Y;Z;R;G;B\n1;0,5;1;2;9;8;7\n;;;;;;\n2;;;;;;\n3;4;5;6;200;100;50\n");
   save_text("text/prose.txt", "LICENSE\n Version 3, 29 June 2007\nof words\nand words\n1 2 3\nmore words\nof it\n");
   save_text("text/intensity.txt", "1 2 3 87 2 0\n4 5 6 41 2 0\n7 8 9.5 200 5 0\n1 0 0 87 2 0\n");

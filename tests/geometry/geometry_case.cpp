@@ -140,7 +140,8 @@ Json value_of(const Json& schema, Choices& choices) {
   if (schema.contains("const")) return schema.at("const");
   if (schema.contains("enum")) return schema.at("enum").at(choices.below(schema.at("enum").size()));
   if (schema.at("type") == "boolean") return choices.chance(128);
-  if (schema.at("type") == "string") return schema.at("default");
+  if (schema.at("type") == "string")
+    return schema.contains("examples") ? schema.at("examples").at(0) : schema.at("default");
   return number_of(schema, choices);
 }
 

@@ -341,7 +341,8 @@ class Guesser {
     if (this.rows.length > 0 && roles.length !== columns) {
       this.form.guessed = true;
       const known = roles.includes('-') ? roles.indexOf('-') : roles.length;
-      if (known < 3 || known > columns) throw new UnreadableCloud(`the header names ${roles.length} columns, the first row has ${columns}`);
+      const placed = (['x', 'y', 'z'] as Role[]).every((role) => roles.slice(0, known).includes(role));
+      if (!placed || known > columns) throw new UnreadableCloud(`the header names ${roles.length} columns, the first row has ${columns}`);
       roles = [...roles.slice(0, known), ...Array<Role>(columns - known).fill('-')];
     }
     this.form.roles = roles;
