@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <new>
+#include <optional>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -11,6 +13,7 @@
 #include "hole_filling/hole_filling.hpp"
 #include "hole_filling/library_patch.hpp"
 #include "hole_filling/refinement.hpp"
+#include "quality/quality.hpp"
 
 namespace surfaced {
 namespace filling {
@@ -21,15 +24,50 @@ constexpr std::size_t kSmall = 30;
 /// Longest loops that the advancing front and the library are given; their cost grows faster than the hole.
 constexpr std::size_t kLongestForAngles = 4000;
 constexpr std::size_t kLongestForLibrary = 1000;
-/// New points a hole may take, as a multiple of the mesh's vertices, and in any case.
-constexpr std::size_t kMostGrowth = 4;
-constexpr std::size_t kAlwaysAllowed = 10'000;
+/// New points that a hole of n corners may take: a flat disc with n edges around it has n²/11 points as dense.
+constexpr std::size_t kShareOfSquare = 4;
+constexpr std::size_t kAlwaysAllowed = 100;
 /// Share of its component's area above which a hole is no hole but the component's outside.
 constexpr double kLargestShare = 0.5;
 
 std::uint64_t key_of(VertexIndex a, VertexIndex b) {
   return (std::uint64_t{std::min(a, b).value} << 32U) | std::max(a, b).value;
 }
+
+enum class Cover : std::uint8_t { angles, library, corners };
+
+/// How a hole is filled: what covers it, and how far its new points go from the membrane over the rim to where the
+/// surface around it leads.
+struct Way {
+  Cover cover;
+  double share;
+};
+
+/// In the order in which they are tried.
+constexpr auto kWays = std::to_array<Way>({{Cover::angles, 1},
+                                           {Cover::angles, 0.75},
+                                           {Cover::angles, 0.5},
+                                           {Cover::angles, 0.25},
+                                           {Cover::angles, 0},
+                                           {Cover::library, 1},
+                                           {Cover::library, 0.5},
+                                           {Cover::library, 0},
+                                           {Cover::corners, 0}});
+
+/// One hole on its way.
+struct Attempt {
+  const BoundaryLoop* loop = nullptr;
+  Hole hole{};
+  /// Of kWays.
+  std::size_t way = 0;
+  std::optional<Patch> patch{};
+  /// Edges between corners that the patch has put into `edges_`.
+  std::vector<std::uint64_t> edges{};
+  /// The patch crosses nothing.
+  bool settled = false;
+  /// Why the hole stays; empty as long as it does not.
+  std::string reason{};
+};
 
 class Filling {
  public:
@@ -41,17 +79,12 @@ class Filling {
     report_.loops = loops.size();
     if (loops.empty()) return std::move(report_);
     survey(loops);
-    for (std::size_t i = 0; i < loops.size(); ++i) {
-      if (context_.cancelled()) return Error{ErrorCode::cancelled, "cancelled while filling holes"};
-      const BoundaryLoop& loop = loops[i];
-      std::string reason = loop.obstacle.empty() ? fill(loop) : loop.obstacle;
-      if (reason.empty()) {
-        ++report_.filled;
-      } else {
-        report_.left.push_back({loop.corners.front(), loop.corners.size(), std::move(reason)});
-      }
-      context_.report(static_cast<double>(i + 1) / static_cast<double>(loops.size()));
+    for (const BoundaryLoop& loop : loops) attempts_.push_back(attempt_at(loop));
+    while (std::ranges::any_of(attempts_, [](const Attempt& a) { return a.reason.empty() && !a.settled; })) {
+      if (Status tried = try_next_ways(); !tried) return std::move(tried).error();
+      take_back_what_crosses();
     }
+    for (Attempt& attempt : attempts_) conclude(attempt);
     return std::move(report_);
   }
 
@@ -90,25 +123,155 @@ class Filling {
     return cross(mesh_.positions[t[1]] - a, mesh_.positions[t[2]] - a);
   }
 
-  /// @return  why it could not; empty once it is done.
-  std::string fill(const BoundaryLoop& loop) {
-    const Hole hole = hole_of(loop);
-    if (parameters_.holes == FillParameters::Holes::small) return fill_small(loop, hole);
-    if (std::string reason = too_large(loop, hole); !reason.empty()) return reason;
-    const std::size_t most = std::max(kAlwaysAllowed, kMostGrowth * mesh_.positions.size());
-    std::optional<Patch> patch;
-    if (loop.corners.size() <= kLongestForAngles) patch = cover_by_angles(hole, most);
-    if (!patch && loop.corners.size() <= kLongestForLibrary) {
-      patch = cover_by_library(hole);
-      if (patch) ++report_.filled_by_library;
+  Attempt attempt_at(const BoundaryLoop& loop) const {
+    Attempt attempt{.loop = &loop};
+    const bool small = parameters_.holes == FillParameters::Holes::small;
+    attempt.reason = loop.obstacle;
+    if (attempt.reason.empty() && small && loop.corners.size() > kSmall) {
+      attempt.reason = "it is longer than the " + std::to_string(kSmall) + " edges of a small hole";
     }
-    if (!patch) {
-      return "neither the advancing front (up to " + std::to_string(kLongestForAngles) +
-             " edges) nor the library (up to " + std::to_string(kLongestForLibrary) + " edges) covers it";
+    if (!attempt.reason.empty()) return attempt;
+    attempt.hole = hole_of(loop);
+    if (small) {
+      attempt.way = kWays.size() - 1;
+    } else {
+      attempt.reason = too_large(loop, attempt.hole);
     }
-    refine(*patch, hole, parameters_.rotation);
-    append(loop, *patch);
-    return {};
+    return attempt;
+  }
+
+  /// A patch for every hole that has none: the first of the ways left that makes one.
+  Status try_next_ways() {
+    for (std::size_t i = 0; i < attempts_.size(); ++i) {
+      Attempt& attempt = attempts_[i];
+      if (context_.cancelled()) return Error{ErrorCode::cancelled, "cancelled while filling holes"};
+      context_.report(static_cast<double>(i + 1) / static_cast<double>(attempts_.size()));
+      if (!attempt.reason.empty() || attempt.settled) continue;
+      while (!attempt.patch && attempt.way < kWays.size()) {
+        attempt.patch = patch_by(kWays.at(attempt.way), attempt.hole);
+        if (!attempt.patch) ++attempt.way;
+      }
+      if (attempt.patch) {
+        note_edges(attempt);
+      } else {
+        attempt.reason = why_not(attempt.hole.corners.size());
+      }
+    }
+    return Done{};
+  }
+
+  std::optional<Patch> patch_by(const Way& way, const Hole& hole) const {
+    const std::size_t n = hole.corners.size();
+    if (way.cover == Cover::corners) return n <= kSmall ? cover_by_corners(hole) : std::nullopt;
+    const bool by_angles = way.cover == Cover::angles;
+    if (n > (by_angles ? kLongestForAngles : kLongestForLibrary)) return std::nullopt;
+    std::optional<Patch> patch =
+        by_angles ? cover_by_angles(hole, kAlwaysAllowed + n * n / kShareOfSquare) : cover_by_library(hole);
+    if (!patch) return patch;
+    if (way.share == 1) {
+      refine(*patch, hole, parameters_.rotation);
+      return patch;
+    }
+    Patch led = *patch;
+    refine(*patch, hole, Rotation::none);
+    if (way.share == 0) return patch;
+    refine(led, hole, parameters_.rotation);
+    for (std::size_t i = n; i < patch->points.size(); ++i) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        patch->points[i][axis] += way.share * (led.points[i][axis] - patch->points[i][axis]);
+      }
+    }
+    return patch;
+  }
+
+  std::string why_not(std::size_t corners) const {
+    if (parameters_.holes == FillParameters::Holes::small) {
+      return "no triangles between its corners close it without folds, crossings or edges of three triangles";
+    }
+    return "no surface covers it without crossing another: not that of the advancing front (up to " +
+           std::to_string(kLongestForAngles) + " edges), of the library (up to " + std::to_string(kLongestForLibrary) +
+           ") or between its corners (up to " + std::to_string(kSmall) + "); it has " + std::to_string(corners);
+  }
+
+  static std::optional<Patch> cover_by_corners(const Hole& hole) {
+    LoopLimits limits;
+    limits.may_join = [&](std::size_t i, std::size_t j) {
+      return !hole.joined(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
+    };
+    auto triangles = triangulate_loop({hole.corners, hole.beyond}, limits);
+    if (!triangles) return std::nullopt;
+    return Patch{hole.corners, std::move(*triangles)};
+  }
+
+  /// Other holes must not join the same corners.
+  void note_edges(Attempt& attempt) {
+    const std::size_t corners = attempt.hole.corners.size();
+    for (const Corners& t : attempt.patch->triangles) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (t[i] >= corners || t[(i + 1) % 3] >= corners) continue;
+        const std::uint64_t key = key_of(attempt.loop->corners[t[i]], attempt.loop->corners[t[(i + 1) % 3]]);
+        if (edges_.insert(key).second) attempt.edges.push_back(key);
+      }
+    }
+  }
+
+  /// Puts all patches into a copy of the mesh's triangles and takes those back that cross it, themselves, or one that
+  /// was there before.
+  void take_back_what_crosses() {
+    TriangleMesh filled{.positions = mesh_.positions, .triangles = mesh_.triangles, .normals = {}, .colors = {}};
+    std::vector<Attempt*> owners;
+    for (Attempt& attempt : attempts_) {
+      if (!attempt.patch) continue;
+      append_surface(filled, attempt);
+      owners.resize(filled.triangles.size() - mesh_.triangles.size(), &attempt);
+    }
+    const std::size_t first = mesh_.triangles.size();
+    for (const auto& [a, b] : intersections_from(filled, first)) {
+      Attempt* const at_a = a < first ? nullptr : owners[a - first];
+      Attempt* const at_b = b < first ? nullptr : owners[b - first];
+      Attempt* later = std::max(at_a, at_b);
+      if (later->settled) later = std::min(at_a, at_b);
+      if (later != nullptr && !later->settled) crossing_.insert(later);
+    }
+    for (Attempt& attempt : attempts_) {
+      if (!attempt.patch || attempt.settled) continue;
+      attempt.settled = !crossing_.contains(&attempt);
+      if (!attempt.settled) take_back(attempt);
+    }
+    crossing_.clear();
+  }
+
+  void take_back(Attempt& attempt) {
+    for (const std::uint64_t key : attempt.edges) edges_.erase(key);
+    attempt.edges.clear();
+    attempt.patch.reset();
+    ++attempt.way;
+  }
+
+  void conclude(Attempt& attempt) {
+    const BoundaryLoop& loop = *attempt.loop;
+    if (!attempt.reason.empty()) {
+      report_.left.push_back({loop.corners.front(), loop.corners.size(), std::move(attempt.reason)});
+      return;
+    }
+    ++report_.filled;
+    if (kWays.at(attempt.way).cover == Cover::library) ++report_.filled_by_library;
+    append_attributes(loop, *attempt.patch);
+    append_surface(mesh_, attempt);
+    report_.vertices_added += attempt.patch->points.size() - loop.corners.size();
+    report_.triangles_added += attempt.patch->triangles.size();
+  }
+
+  static void append_surface(TriangleMesh& mesh, const Attempt& attempt) {
+    const std::vector<VertexIndex>& corners = attempt.loop->corners;
+    const Patch& patch = *attempt.patch;
+    const std::size_t first = mesh.positions.size();
+    const auto vertex = [&](std::uint32_t i) {
+      return i < corners.size() ? corners[i] : VertexIndex(first + i - corners.size());
+    };
+    mesh.positions.insert(mesh.positions.end(), patch.points.begin() + static_cast<std::ptrdiff_t>(corners.size()),
+                          patch.points.end());
+    for (const Corners& t : patch.triangles) mesh.triangles.push_back({vertex(t[0]), vertex(t[1]), vertex(t[2])});
   }
 
   Hole hole_of(const BoundaryLoop& loop) const {
@@ -137,39 +300,6 @@ class Filling {
     if (area <= kLargestShare * whole) return {};
     return "its area of about " + std::to_string(area) + " is more than half of its component's, " +
            std::to_string(whole);
-  }
-
-  std::string fill_small(const BoundaryLoop& loop, const Hole& hole) {
-    if (loop.corners.size() > kSmall) {
-      return "it is longer than the " + std::to_string(kSmall) + " edges of a small hole";
-    }
-    LoopLimits limits;
-    limits.may_join = [&](std::size_t i, std::size_t j) {
-      return !hole.joined(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
-    };
-    auto triangles = triangulate_loop({hole.corners, hole.beyond}, limits);
-    if (!triangles) return "no triangles between its corners close it without folds or edges of three triangles";
-    append(loop, {hole.corners, std::move(*triangles)});
-    return {};
-  }
-
-  void append(const BoundaryLoop& loop, const Patch& patch) {
-    const std::size_t corners = loop.corners.size();
-    const std::size_t first = mesh_.positions.size();
-    const auto vertex = [&](std::uint32_t i) {
-      return i < corners ? loop.corners[i] : VertexIndex(first + i - corners);
-    };
-    append_attributes(loop, patch);
-    mesh_.positions.insert(mesh_.positions.end(), patch.points.begin() + static_cast<std::ptrdiff_t>(corners),
-                           patch.points.end());
-    for (const Corners& t : patch.triangles) {
-      mesh_.triangles.push_back({vertex(t[0]), vertex(t[1]), vertex(t[2])});
-      for (std::size_t i = 0; i < 3; ++i) {
-        if (t[i] < corners && t[(i + 1) % 3] < corners) edges_.insert(key_of(vertex(t[i]), vertex(t[(i + 1) % 3])));
-      }
-    }
-    report_.vertices_added += patch.points.size() - corners;
-    report_.triangles_added += patch.triangles.size();
   }
 
   /// Normals and colours of the new vertices.
@@ -207,6 +337,8 @@ class Filling {
   const FillParameters& parameters_;
   Context& context_;
   FillReport report_;
+  std::vector<Attempt> attempts_;
+  std::unordered_set<const Attempt*> crossing_;
   /// Of boundary vertices: normals weighted by angles, and components.
   std::unordered_map<std::uint32_t, Point3> normals_;
   std::unordered_map<std::uint32_t, std::uint32_t> component_of_;

@@ -133,4 +133,8 @@ std::size_t count_points_inside(const TriangleMesh& mesh, std::span<const Point3
 /// @cost  O(F log F + pairs).
 std::size_t count_self_intersections(const TriangleMesh& mesh, std::size_t cap = 100'000);
 
+/// The same pairs, at least one of each among the triangles from `first` on, in any order; some again in the other
+/// order.
+std::vector<std::array<std::uint32_t, 2>> intersections_from(const TriangleMesh& mesh, std::size_t first);
+
 }  // namespace surfaced

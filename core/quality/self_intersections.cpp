@@ -4,6 +4,7 @@
 #include <CGAL/box_intersection_d.h>
 
 #include <algorithm>
+#include <span>
 
 #include "quality/quality.hpp"
 
@@ -64,13 +65,11 @@ class PairTest {
   const TriangleMesh& mesh_;
 };
 
-}  // namespace
-
-std::size_t count_self_intersections(const TriangleMesh& mesh, std::size_t cap) {
-  const PairTest test(mesh);
+/// Boxes of the triangles that have an area.
+std::vector<Box> boxes_of(const TriangleMesh& mesh, const PairTest& test, std::span<const Triangle> triangles) {
   std::vector<Box> boxes;
-  boxes.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) {
+  boxes.reserve(triangles.size());
+  for (const Triangle& t : triangles) {
     if (test.degenerate(t)) continue;
     CGAL::Bbox_3 box;
     for (const VertexIndex v : t) {
@@ -79,6 +78,14 @@ std::size_t count_self_intersections(const TriangleMesh& mesh, std::size_t cap) 
     }
     boxes.emplace_back(box, &t);
   }
+  return boxes;
+}
+
+}  // namespace
+
+std::size_t count_self_intersections(const TriangleMesh& mesh, std::size_t cap) {
+  const PairTest test(mesh);
+  std::vector<Box> boxes = boxes_of(mesh, test, mesh.triangles);
   std::size_t pairs = 0;
   try {
     CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
@@ -87,6 +94,18 @@ std::size_t count_self_intersections(const TriangleMesh& mesh, std::size_t cap) 
   } catch (const CapReached&) {
     return cap;
   }
+  return pairs;
+}
+
+std::vector<std::array<std::uint32_t, 2>> intersections_from(const TriangleMesh& mesh, std::size_t first) {
+  const PairTest test(mesh);
+  std::vector<Box> all = boxes_of(mesh, test, mesh.triangles);
+  std::vector<Box> fresh = boxes_of(mesh, test, std::span(mesh.triangles).subspan(first));
+  const auto index = [&](const Box& box) { return static_cast<std::uint32_t>(box.handle() - mesh.triangles.data()); };
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  CGAL::box_intersection_d(fresh.begin(), fresh.end(), all.begin(), all.end(), [&](const Box& a, const Box& b) {
+    if (a.handle() != b.handle() && test.intersect(*a.handle(), *b.handle())) pairs.push_back({index(a), index(b)});
+  });
   return pairs;
 }
 
