@@ -22,8 +22,10 @@ bool usable(const Normal3& n) {
 void drop_bad_normals(RawCloud& raw) {
   const auto bad = std::ranges::find_if_not(raw.normals, usable);
   if (bad == raw.normals.end()) return;
-  raw.warnings.push_back("normals dropped: that of point " + std::to_string(bad - raw.normals.begin()) +
-                         " is not finite or has length 0");
+  const auto count = raw.normals.end() - bad - std::count_if(bad, raw.normals.end(), usable);
+  raw.warnings.push_back("normals dropped: " + std::to_string(count) + " of " + std::to_string(raw.normals.size()) +
+                         " are not finite or have length 0, the first that of point " +
+                         std::to_string(bad - raw.normals.begin()));
   raw.normals.clear();
 }
 

@@ -32,6 +32,8 @@ struct CloudSource {
   std::optional<TableFacts> table;
   /// Faces, of any number of corners, that a cloud has no use for.
   std::uint64_t faces = 0;
+  /// Where the sensor stood, if the file tells.
+  std::optional<Point3> viewpoint{};
 };
 
 /// Points in the order of the file. Invariant: normals and colors are empty or as long as positions.

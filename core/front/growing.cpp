@@ -37,7 +37,7 @@ class Run {
     mesh.positions = cloud_.positions;
     mesh.normals = cloud_.normals;
     mesh.colors = cloud_.colors;
-    orient_manifold_outwards(mesh, rim_);
+    orient_oriented_outwards(mesh);
     sort_triangles(mesh);
     return std::move(result_);
   }
@@ -154,7 +154,6 @@ class Run {
     for (const std::uint32_t v : fans.unsettled()) {
       open.clear();
       open_edges(fans, v, open);
-      if (!open.empty()) rim_.emplace_back(v);
       result_.statistics.open_edges += open.size();
     }
     result_.statistics.open_edges /= 2;  // seen from both ends
@@ -165,7 +164,6 @@ class Run {
   Context& context_;
   Normals normals_;
   Surface result_;
-  std::vector<VertexIndex> rim_;
 };
 
 std::size_t used_points(const Surface& surface) {

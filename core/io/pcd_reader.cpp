@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "io/formats.hpp"
@@ -41,6 +42,8 @@ struct PcdHeader {
   std::vector<Field> fields;
   std::uint64_t points = 0;
   Data data{};
+  /// Of the sensor, where the file tells.
+  std::optional<Point3> viewpoint;
 
   std::size_t stride() const {
     std::size_t sum = 0;
@@ -69,7 +72,8 @@ class HeaderReader {
 
  private:
   Status read(const std::string& keyword, std::string_view rest) {
-    if (keyword == "version" || keyword == "viewpoint") return Done{};
+    if (keyword == "version") return Done{};
+    if (keyword == "viewpoint") return read_viewpoint(rest);
     if (keyword == "fields" || keyword == "columns") return read_fields(rest);
     if (keyword == "size")
       return for_each_field(rest, [](Field& field, double value) {
@@ -102,6 +106,19 @@ class HeaderReader {
     return Done{};
   }
 
+  /// Its translation; the rotation behind it is not needed.
+  Status read_viewpoint(std::string_view rest) {
+    Point3 place{};
+    for (double& x : place) {
+      const std::string_view word = take_word(rest);
+      if (!parse_number(word, Scalar::float64, x) || !std::isfinite(x)) {
+        return lines_.malformed(in_quotes(word) + " in VIEWPOINT is no coordinate");
+      }
+    }
+    header_.viewpoint = place;
+    return Done{};
+  }
+
   template <class Set>
   Status for_each_field(std::string_view rest, Set set) {
     for (Field& field : header_.fields) {
@@ -127,6 +144,9 @@ class HeaderReader {
   }
 
   Result<PcdHeader> finish(const std::string& data) {
+    // Everybody writes 0 0 0; only images of a depth camera, which have rows, were seen from there.
+    const bool image = sizes_.contains("height") && sizes_.at("height") > 1;
+    if (header_.viewpoint == Point3{} && !image) header_.viewpoint.reset();
     header_.data = data == "ascii" ? Data::ascii : data == "binary" ? Data::binary : Data::compressed;
     if (header_.data == Data::compressed && data != "binary_compressed") {
       return lines_.malformed("data are " + in_quotes(data) + "; there are ascii, binary, binary_compressed");
@@ -203,7 +223,9 @@ class PcdReader {
                     : header_.data == Data::binary ? read_binary()
                                                    : read_compressed();
     if (!status) return source_.failure() ? *source_.failure() : std::move(status).error();
-    return sink_.finish();
+    Result<RawCloud> cloud = sink_.finish();
+    if (cloud) cloud->source.viewpoint = header_.viewpoint;
+    return cloud;
   }
 
  private:

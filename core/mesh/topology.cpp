@@ -125,14 +125,7 @@ struct Part {
   Point3 centre{};
   std::size_t triangles = 0;
   double volume = 0;
-  double agreement = 0;
-  bool closed = true;
   bool oriented = true;
-
-  bool faces_inwards() const {
-    if (!oriented) return false;
-    return closed || agreement == 0 ? volume < 0 : agreement < 0;
-  }
 };
 
 /// The components with the mean of their triangles' corners.
@@ -151,16 +144,15 @@ std::vector<Part> centred_parts(const TriangleMesh& mesh, const Components& comp
   return parts;
 }
 
-/// Positive if the triangle faces where the normals of its vertices point; 0 without normals.
-double agreement_with_normals(const TriangleMesh& mesh, const Triangle& t) {
-  if (mesh.normals.empty()) return 0;
-  const Point3 facing = cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
-  double sum = 0;
-  for (const VertexIndex v : t) {
-    const Normal3& n = mesh.normals[v];
-    sum += dot(facing, {n[0], n[1], n[2]});
+void turn_outwards(TriangleMesh& mesh, const Components& components, std::vector<Part>& parts) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Part& part = parts[components.of_triangle[t]];
+    part.volume += triangle_volume(mesh, mesh.triangles[t], part.centre);
   }
-  return sum;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Part& part = parts[components.of_triangle[t]];
+    if (part.oriented && part.volume < 0) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  }
 }
 
 }  // namespace
@@ -219,35 +211,17 @@ void orient_outwards(TriangleMesh& mesh) {
   const Components components = components_of(mesh);
   std::vector<Part> parts = centred_parts(mesh, components);
   const HalfEdges half_edges(mesh.triangles, mesh.positions.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    Part& part = parts[components.of_triangle[t]];
-    part.volume += triangle_volume(mesh, mesh.triangles[t], part.centre);
-    part.agreement += agreement_with_normals(mesh, mesh.triangles[t]);
-    for (std::size_t h = 3 * t; h < 3 * t + 3; ++h) {
-      const bool boundary = half_edges.uses(half_edges.edge_of(HalfEdgeIndex(h))) == 1;
-      part.closed &= !boundary;
-      part.oriented &= boundary || half_edges.mate(HalfEdgeIndex(h)).valid();
-    }
+  for (std::size_t h = 0; h < 3 * mesh.triangles.size(); ++h) {
+    const bool boundary = half_edges.uses(half_edges.edge_of(HalfEdgeIndex(h))) == 1;
+    parts[components.of_triangle[h / 3]].oriented &= boundary || half_edges.mate(HalfEdgeIndex(h)).valid();
   }
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (parts[components.of_triangle[t]].faces_inwards()) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-  }
+  turn_outwards(mesh, components, parts);
 }
 
-void orient_manifold_outwards(TriangleMesh& mesh, std::span<const VertexIndex> rim) {
+void orient_oriented_outwards(TriangleMesh& mesh) {
   const Components components = components_of(mesh);
   std::vector<Part> parts = centred_parts(mesh, components);
-  std::vector<bool> on_rim(mesh.positions.size(), false);
-  for (const VertexIndex v : rim) on_rim[v] = true;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    Part& part = parts[components.of_triangle[t]];
-    part.volume += triangle_volume(mesh, mesh.triangles[t], part.centre);
-    part.agreement += agreement_with_normals(mesh, mesh.triangles[t]);
-    for (const VertexIndex v : mesh.triangles[t]) part.closed &= !on_rim[v];
-  }
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (parts[components.of_triangle[t]].faces_inwards()) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-  }
+  turn_outwards(mesh, components, parts);
 }
 
 void sort_triangles(TriangleMesh& mesh) {

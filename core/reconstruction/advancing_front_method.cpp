@@ -2,6 +2,7 @@
 #include "baselines/baselines.hpp"
 #include "reconstruction/hole_stage.hpp"
 #include "reconstruction/methods.hpp"
+#include "reconstruction/openings_stage.hpp"
 
 namespace surfaced {
 namespace {
@@ -11,6 +12,7 @@ Result<Reconstruction> run_advancing_front(const PointCloud& cloud, const Json& 
       cloud, {.radius_ratio_bound = parameters.at("radius_ratio_bound"), .beta = parameters.at("beta")}, context);
   if (!mesh) return std::move(mesh).error();
   Reconstruction result{.mesh = std::move(*mesh), .warnings = {}, .statistics = nullptr};
+  run_openings_parameter(result, parameters);
   if (Status filled = run_hole_parameter(result, parameters, context); !filled) return std::move(filled).error();
   return result;
 }
@@ -48,6 +50,7 @@ Method advancing_front_method() {
                                         {"title", "Half the wedge angle"},
                                         {"description", "Half the angle of the wedge in which only the radius counts."},
                                         {"x-unit", "rad"}}},
+                                      {"openings", openings_property()},
                                       {"fill_holes", fill_holes_property("none")}})},
           .interpolates = true,
           .of_a_point = {.seconds = 30e-6, .bytes = 2 << 10},

@@ -8,6 +8,7 @@
 #include "reconstruction/encoding.hpp"
 #include "reconstruction/finishing_stage.hpp"
 #include "reconstruction/methods.hpp"
+#include "reconstruction/orienting_stage.hpp"
 #include "reconstruction/position_set.hpp"
 #include "reconstruction/preparing_stage.hpp"
 #include "reconstruction/report.hpp"
@@ -32,8 +33,10 @@ struct Measured {
 
 Json quality_of(const Reconstruction& result, const PointCloud& cloud, bool interpolates, const TriangleMesh& mesh,
                 const Topology& topology) {
+  std::optional<std::size_t> crossings;
+  if (!result.hole_filling.is_null()) crossings = count_self_intersections(mesh);
   return quality_json(measure_quality(mesh, topology), use_of_points(cloud, result.mesh, topology, interpolates),
-                      std::nullopt);
+                      crossings);
 }
 
 Result<Measured> measure_encoded(const FileRequest& request, const Reconstruction& result, const PointCloud& cloud,
@@ -59,11 +62,13 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
   if (format) std::ranges::copy(unheeded_packing(*format, request.parameters), std::back_inserter(warnings));
   if (measured.certificate)
     std::ranges::copy(certificate_warnings(*measured.certificate), std::back_inserter(warnings));
+  std::ranges::copy(warnings_of_inward_faces(measured.quality.at("volume")), std::back_inserter(warnings));
   Json printing = printing_json(result.mesh, measured.quality.at("volume"), request.parameters, format, warnings);
   Json report{{"method", request.method->id}, {"parameters", request.parameters},
               {"cloud", cloud_json(cloud)},   {"mesh", measured.mesh},
               {"warnings", warnings},         {"quality", measured.quality}};
   report["preparing"] = preparing;
+  report["orientation"] = result.orientation;
   report["finishing"] = result.finishing;
   report["printing"] = std::move(printing);
   if (measured.certificate) report["certificate"] = certificate_json(*measured.certificate);

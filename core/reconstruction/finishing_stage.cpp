@@ -230,7 +230,7 @@ Json printing_json(const TriangleMesh& mesh, const Json& volume, const Json& par
                    std::optional<MeshFormat> format, std::vector<std::string>& warnings) {
   Json walls = nullptr;
   const std::optional<double> limit = thinnest_wall(parameters, format);
-  if (limit && !volume.is_null()) walls = walls_json(mesh, *limit, parameters.at("unit"), warnings);
+  if (limit && !volume.is_null() && volume > 0) walls = walls_json(mesh, *limit, parameters.at("unit"), warnings);
   return Json{{"unit", parameters.at("unit")},
               {"bounding_box", bounds_of(mesh.positions).high - bounds_of(mesh.positions).low},
               {"volume", volume},

@@ -4,6 +4,7 @@
 #include "reconstruction/front_json.hpp"
 #include "reconstruction/hole_stage.hpp"
 #include "reconstruction/methods.hpp"
+#include "reconstruction/openings_stage.hpp"
 #include "reconstruction/upsampling_stage.hpp"
 
 namespace surfaced {
@@ -41,6 +42,7 @@ Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Jso
   statistics["upsampling"] = std::move(upsampling);
   Reconstruction made{
       .mesh = std::move(result->mesh), .warnings = std::move(result->warnings), .statistics = std::move(statistics)};
+  run_openings_parameter(made, parameters);
   if (parameters.at("fill_holes") == "all") {
     const FillParameters fill{.holes = FillParameters::Holes::all, .rotation = rotation_of(parameters)};
     if (Status filled = run_hole_stage(made, fill, context); !filled) return std::move(filled).error();
@@ -61,6 +63,7 @@ Json intrinsic_delaunay_properties() {
         {"x-unit", "unit of the input"}}},
       {"max_edge", max_edge_property("auto is 3, except for triangles on which three local triangulations agree.")},
       {"upsample", upsample_property()},
+      {"openings", openings_property()},
       {"fill_holes", fill_holes_property("small")},
       {"rotation", rotation_property()}};
 }

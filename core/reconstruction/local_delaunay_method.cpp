@@ -3,6 +3,7 @@
 #include "reconstruction/front_json.hpp"
 #include "reconstruction/hole_stage.hpp"
 #include "reconstruction/methods.hpp"
+#include "reconstruction/openings_stage.hpp"
 
 namespace surfaced {
 namespace {
@@ -25,6 +26,7 @@ Result<Reconstruction> run_local_delaunay(const PointCloud& cloud, const Json& p
   Reconstruction made{.mesh = std::move(result->mesh),
                       .warnings = std::move(result->warnings),
                       .statistics = statistics_json(result->statistics)};
+  run_openings_parameter(made, parameters);
   if (parameters.at("fill_holes") == "all") {
     if (Status filled = run_hole_stage(made, {}, context); !filled) return std::move(filled).error();
   }
@@ -65,6 +67,7 @@ Json local_delaunay_properties() {
                         {"description",
                          "triangle starts from all triangles on which three local triangulations agree; paper from one "
                          "local triangulation per component."}};
+  properties["openings"] = openings_property();
   properties["fill_holes"] = fill_holes_property("small");
   return properties;
 }

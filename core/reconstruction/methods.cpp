@@ -6,6 +6,7 @@
 
 #include "reconstruction/finishing_stage.hpp"
 #include "reconstruction/method_table.hpp"
+#include "reconstruction/orienting_stage.hpp"
 #include "reconstruction/preparing_stage.hpp"
 #include "reconstruction/reading_stage.hpp"
 
@@ -52,8 +53,9 @@ const std::vector<MethodInfo>& infos() {
 /// True of every method: stages that all share act before and after it.
 constexpr std::string_view kStagesAct =
     "Guarantees are the method's, on the points it gets: fuse, outliers, sample, smooth and normals act before it; "
-    "drop_parts, "
-    "simplify and color_map change its mesh.";
+    "drop_parts, simplify and color_map change its mesh; normals of the cloud, its sensor's place and orient decide "
+    "which "
+    "side is the front, inwards as well.";
 
 }  // namespace
 
@@ -64,6 +66,8 @@ Json schema_of(Json properties) {
   for (const auto& [name, schema] : reading.items()) properties[name] = schema;
   const Json preparing = preparing_properties();
   for (const auto& [name, schema] : preparing.items()) properties[name] = schema;
+  const Json orienting = orienting_properties();
+  for (const auto& [name, schema] : orienting.items()) properties[name] = schema;
   const Json finishing = finishing_properties();
   for (const auto& [name, schema] : finishing.items()) properties[name] = schema;
   return Json{{"$schema", "https://json-schema.org/draft/2020-12/schema"},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parameters against their JSON Schema. The schemas use the keywords type (number, integer, string,
-// boolean), enum, const, oneOf, minimum, exclusiveMinimum, maximum, pattern with maxLength, and nothing else.
+// boolean), enum, const, oneOf, minimum, exclusiveMinimum, maximum, pattern with maxLength, and nothing else; examples
+// are for readers.
 #include <charconv>
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The way of a cloud: read -> method -> finish -> deliver (delivery.hpp).
+// The way of a cloud: read -> method -> orient -> finish -> deliver (delivery.hpp).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +10,7 @@
 #include "reconstruction/delivery.hpp"
 #include "reconstruction/finishing_stage.hpp"
 #include "reconstruction/methods.hpp"
+#include "reconstruction/orienting_stage.hpp"
 #include "reconstruction/preparing_stage.hpp"
 #include "reconstruction/provenance.hpp"
 #include "reconstruction/reading_stage.hpp"
@@ -142,6 +143,7 @@ Result<Reconstruction> run_unguarded(const PointCloud& cloud, const MethodInfo& 
   Result<Made> made = make(cloud, method, parameters, asks_for_simplifying(parameters) ? kMethodUntil : 1, context);
   if (!made) return std::move(made).error();
   context.section(1);
+  orient(made->result, parameters, cloud.source.viewpoint);
   if (Status finished = finish(made->result, parameters, context); !finished) return std::move(finished).error();
   return std::move(made->result);
 }
@@ -159,6 +161,7 @@ Result<Json> reconstruct_unguarded(const FileRequest& request, Context& context)
   Result<Input> input = input_of(request, context);
   if (!input) return std::move(input).error();
   Reconstruction& result = input->made.result;
+  orient(result, request.parameters, input->cloud.source.viewpoint);
   std::vector<std::byte> points;
   if (!request.points.empty()) {
     points = encode_cloud_ply(result.mesh.positions, result.mesh.normals, result.mesh.colors);

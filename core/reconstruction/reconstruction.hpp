@@ -82,6 +82,8 @@ struct Reconstruction {
   std::vector<std::string> warnings;
   /// The method's own statistics, for the report's field `method_statistics`; may be null.
   Json statistics;
+  /// Which side is the front, and why, for the report's field `orientation`; null if nothing was to be decided.
+  Json orientation = nullptr;
   /// What drop_parts and simplify did, for the report's field `finishing`: name, counts in and out.
   Json finishing = Json::array();
   /// What the stage `fill_holes` did, for the report's field `hole_filling`; null if it did not run.

@@ -2,6 +2,7 @@
 #include "baselines/baselines.hpp"
 #include "reconstruction/hole_stage.hpp"
 #include "reconstruction/methods.hpp"
+#include "reconstruction/openings_stage.hpp"
 
 namespace surfaced {
 namespace {
@@ -11,6 +12,7 @@ Result<Reconstruction> run_scale_space(const PointCloud& cloud, const Json& para
       cloud, {.iterations = parameters.at("iterations"), .neighbours = parameters.at("neighbours")}, context);
   if (!mesh) return std::move(mesh).error();
   Reconstruction result{.mesh = std::move(*mesh), .warnings = {}, .statistics = nullptr};
+  run_openings_parameter(result, parameters);
   if (Status filled = run_hole_parameter(result, parameters, context); !filled) return std::move(filled).error();
   return result;
 }
@@ -32,6 +34,7 @@ Json scale_space_properties() {
                 {"title", "Points in a neighbourhood"},
                 {"description", "How many points the ball holds on average over which a step smooths."},
                 {"x-unit", "points"}}},
+              {"openings", openings_property()},
               {"fill_holes", fill_holes_property("none")}};
 }
 

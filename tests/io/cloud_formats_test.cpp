@@ -126,6 +126,19 @@ TEST(PcdCloud, points_without_a_measurement_are_left_out_where_a_cloud_is_made) 
   EXPECT_THAT(cloud->warnings, ElementsAre(HasSubstr("1 of 3 points left out")));
 }
 
+TEST(PcdCloud, tells_where_the_sensor_stood_unless_it_says_what_everybody_writes) {
+  const auto viewpoint_of = [](const std::string& place, const std::string& size) {
+    return parse_cloud(as_bytes("VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n" + size + "\nVIEWPOINT " + place +
+                                " 1 0 0 0\nDATA ascii\n1 2 3\n4 5 6\n"),
+                       "view.pcd");
+  };
+  const std::string row = "WIDTH 2\nHEIGHT 1";
+  EXPECT_EQ(viewpoint_of("1 -2.5 3", row)->source.viewpoint, (Point3{1, -2.5, 3}));
+  EXPECT_EQ(viewpoint_of("0 0 0", row)->source.viewpoint, std::nullopt);
+  EXPECT_EQ(viewpoint_of("0 0 0", "WIDTH 1\nHEIGHT 2")->source.viewpoint, (Point3{0, 0, 0}));
+  EXPECT_EQ(code_of(viewpoint_of("0 nan 0", row)), "malformed_input");
+}
+
 TEST(PcdCloud, colours_printed_as_floats_are_their_bits) {
   const std::string text =
       "VERSION .7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA "

@@ -61,13 +61,15 @@ TEST(FindMethod, names_the_methods_there_are) {
 TEST(CheckParameters, fills_in_the_defaults_in_the_schema_s_order) {
   const auto parameters = check_parameters(front(), Json::object());
   ASSERT_TRUE(parameters);
-  EXPECT_EQ(parameters->dump(),
-            R"({"radius_ratio_bound":5,"beta":0.52,"fill_holes":"none","up":"y","quantization":"none","unit":"mm",)"
-            R"("input":"cloud","missing":"drop","truncated":"refuse","columns":"auto","separator":"auto",)"
-            R"("decimal":"auto","skip":0,"splat_opacity":"none","splat_scale":"none","fuse":"none",)"
-            R"("outliers":"none","sample":"none","sample_cell":"auto","sample_share":0.25,"smooth":"none",)"
-            R"("smooth_neighbours":24,"normals":"keep","drop_parts":0,)"
-            R"("simplify":"none","compression":"none","vertex_quality":false,"color_map":"none","min_wall":"auto"})");
+  EXPECT_EQ(
+      parameters->dump(),
+      R"({"radius_ratio_bound":5,"beta":0.52,"openings":"keep","fill_holes":"none","up":"y","quantization":"none",)"
+      R"("unit":"mm",)"
+      R"("input":"cloud","missing":"drop","truncated":"refuse","columns":"auto","separator":"auto",)"
+      R"("decimal":"auto","skip":0,"splat_opacity":"none","splat_scale":"none","fuse":"none",)"
+      R"("outliers":"none","sample":"none","sample_cell":"auto","sample_share":0.25,"smooth":"none",)"
+      R"("smooth_neighbours":24,"normals":"keep","drop_parts":0,)"
+      R"("orient":"auto","simplify":"none","compression":"none","vertex_quality":false,"color_map":"none","min_wall":"auto"})");
 }
 
 TEST(CheckParameters, names_the_parameter_the_value_and_what_is_allowed) {
