@@ -49,11 +49,11 @@ struct Facing {
   std::array<std::size_t, kFacingReasons> triangles{};
   /// Share of the evidence that agrees with the decision, mean over the triangles; none where nothing but the shape
   /// told.
-  std::optional<double> certainty;
+  std::optional<double> certainty{};
   /// Triangles that were turned.
   std::size_t turned = 0;
   /// None without normals.
-  std::optional<NormalsUse> normals;
+  std::optional<NormalsUse> normals{};
 };
 
 /// Turns every part (triangles connected through vertices) as a whole, by one rule for all, and then the normals of the

@@ -30,11 +30,12 @@ double squared_length(const TriangleMesh& mesh, VertexIndex a, VertexIndex b) {
 
 /// Infinite for a triangle without area.
 double circumradius(const TriangleMesh& mesh, const Triangle& t) {
-  const Point3 f = area_normal(mesh, t);
-  const double lengths = std::sqrt(squared_length(mesh, t[0], t[1])) * std::sqrt(squared_length(mesh, t[1], t[2])) *
-                         std::sqrt(squared_length(mesh, t[2], t[0]));
-  const double area = norm(f);
-  return area > 0 ? lengths / (2 * area) : std::numeric_limits<double>::infinity();
+  const Point3 normal = area_normal(mesh, t);
+  const double area2 = dot(normal, normal);
+  if (!(area2 > 0)) return std::numeric_limits<double>::infinity();
+  const double lengths2 =
+      squared_length(mesh, t[0], t[1]) * squared_length(mesh, t[1], t[2]) * squared_length(mesh, t[2], t[0]);
+  return std::sqrt(lengths2 / area2) / 2;
 }
 
 /// At every vertex the second smallest circumradius of its triangles, or the only one.
@@ -200,8 +201,7 @@ std::vector<SpannedOpening> spanned_openings(const TriangleMesh& mesh) {
   return openings_among(mesh, scales, false, [&](std::size_t t) { return scales.is_large(mesh, t, false); });
 }
 
-std::vector<SpannedOpening> open_up(TriangleMesh& mesh) {
-  const std::vector<SpannedOpening> openings = spanned_openings(mesh);
+void open_up(TriangleMesh& mesh, const std::vector<SpannedOpening>& openings) {
   for (std::vector<SpannedOpening> more = openings.empty() ? bridges(mesh) : openings; !more.empty();
        more = bridges(mesh)) {
     std::vector<bool> dropped(mesh.triangles.size(), false);
@@ -210,7 +210,6 @@ std::vector<SpannedOpening> open_up(TriangleMesh& mesh) {
     }
     while (drop(mesh, dropped) > 0) dropped = in_smaller_fans(mesh);
   }
-  return openings;
 }
 
 std::size_t peel_slivers(TriangleMesh& mesh) {

@@ -24,10 +24,9 @@ struct SpannedOpening {
 /// @cost  O(V + F); 4 bytes per triangle, 8 per vertex.
 std::vector<SpannedOpening> spanned_openings(const TriangleMesh& mesh);
 
-/// Drops the triangles of the openings; then, at vertices where several fans are left, all fans but the one of most
-/// triangles; then bridges that are left between rims, until there is nothing of all this.
-/// @return  the openings.
-std::vector<SpannedOpening> open_up(TriangleMesh& mesh);
+/// Drops the triangles of the openings that were found; then, at vertices where several fans are left, all fans but the
+/// one of most triangles; then bridges that are left between rims, until there is nothing of all this.
+void open_up(TriangleMesh& mesh, const std::vector<SpannedOpening>& openings);
 
 /// Drops triangles along the rim whose longest edge lies on it and whose circumradii are as much too large: slivers
 /// that span the bays between neighbours on the rim. No vertex is left without a triangle.

@@ -15,6 +15,10 @@ Json statistics_json(const front::Statistics& s) {
               {"open_edges", s.open_edges}};
 }
 
+bool is_known_closed(const Reconstruction& result) {
+  return result.statistics.is_object() && result.statistics.value("open_edges", Json(nullptr)) == 0;
+}
+
 Json max_edge_property(const std::string& meaning_of_auto) {
   return {{"oneOf", {Json{{"const", "auto"}}, Json{{"type", "number"}, {"minimum", 1}, {"maximum", 1e6}}}},
           {"default", "auto"},

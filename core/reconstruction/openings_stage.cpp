@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "mesh/spanning.hpp"
+#include "reconstruction/front_json.hpp"
 #include "reconstruction/words.hpp"
 
 namespace surfaced {
@@ -29,8 +30,12 @@ Json openings_property() {
 
 void run_openings_parameter(Reconstruction& result, const Json& parameters) {
   const bool keep = parameters.at("openings") == "keep";
-  const std::vector<SpannedOpening> openings = keep ? open_up(result.mesh) : spanned_openings(result.mesh);
-  const bool peeled = keep && peel_slivers(result.mesh) > 0;
+  std::vector<SpannedOpening> openings = spanned_openings(result.mesh);
+  bool peeled = false;
+  if (keep && (!openings.empty() || !is_known_closed(result))) {
+    open_up(result.mesh, openings);
+    peeled = peel_slivers(result.mesh) > 0;
+  }
   if (keep && (peeled || !openings.empty())) {
     orient_outwards(result.mesh);
     if (result.statistics.is_object()) result.statistics["open_edges"] = boundary_edges(result.mesh);

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "mesh/facing.hpp"
+#include "reconstruction/front_json.hpp"
 #include "reconstruction/reading_stage.hpp"
 #include "reconstruction/words.hpp"
 
@@ -93,7 +94,10 @@ Json orienting_properties() {
 void orient(Reconstruction& result, const Json& parameters, const std::optional<Point3>& sensor) {
   const std::string way = parameters.at("orient");
   if (asks_for_mesh(parameters) && way == "auto") return;
-  const Facing facing = face(result.mesh, options_of(way, sensor));
+  // A closed surface of which nothing else is known faces outwards already.
+  const bool nothing_to_decide = way == "auto" && result.mesh.normals.empty() && !sensor && is_known_closed(result);
+  const Facing facing = nothing_to_decide ? Facing{.triangles = {0, 0, 0, result.mesh.triangles.size()}}
+                                          : face(result.mesh, options_of(way, sensor));
   if (facing.normals) warn_of_normals(*facing.normals, result.warnings);
   result.orientation = facing_json(facing);
 }
