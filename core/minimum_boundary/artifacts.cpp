@@ -2,115 +2,113 @@
 #include "minimum_boundary/artifacts.hpp"
 
 #include <algorithm>
-#include <map>
-#include <tuple>
 
 #include "base/union_find.hpp"
 
 namespace surfaced::boundary {
 namespace {
 
+constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
+/// Per cell the artifact whose sliver it belongs to; kNone for the outside and the inside hull.
+std::vector<std::uint32_t> sliver_sets(const Walls& walls, const Spaces& spaces, std::size_t& count) {
+  const DelaunayComplex& complex = walls.complex();
+  const auto sliver = [&](std::size_t c) {
+    return spaces.of_cell[c] != Spaces::kOutside && spaces.inside[spaces.of_cell[c]] == 0;
+  };
+  UnionFind sets(spaces.count);
+  for (std::size_t s = 0; s < 4 * complex.cells(); ++s) {
+    const CellIndex beyond = complex.neighbour(SideIndex(s));
+    if (sliver(s / 4) && sliver(beyond)) sets.unite(spaces.of_cell[s / 4], spaces.of_cell[beyond]);
+  }
+  std::vector<std::uint32_t> number_of_set(spaces.count, kNone);
+  std::vector<std::uint32_t> artifact_of(complex.cells(), kNone);
+  for (std::size_t c = 0; c < artifact_of.size(); ++c) {
+    if (!sliver(c)) continue;
+    std::uint32_t& number = number_of_set[sets.find(spaces.of_cell[c])];
+    if (number == kNone) number = static_cast<std::uint32_t>(count++);
+    artifact_of[c] = number;
+  }
+  return artifact_of;
+}
+
 class Finder {
  public:
-  explicit Finder(const Walls& walls)
-      : walls_(walls), complex_(walls.complex()), crowded_(complex_.points(), 0), parts_(complex_.points()) {}
+  explicit Finder(const Walls& walls) : walls_(walls), complex_(walls.complex()) {
+    std::size_t count = 0;
+    artifact_of_ = sliver_sets(walls, find_spaces(walls), count);
+    artifacts_.resize(count);
+  }
 
   std::vector<Artifact> run() {
-    mark_crowded_vertices();
     list_sides();
-    connect();
-    return collect();
+    regions_ = UnionFind(sides_.size());
+    for (std::size_t k = 0; k < sides_.size(); ++k) {
+      for (const VertexIndex behind : complex_.facet(sides_[k])) turn(k, behind);
+    }
+    for (const Crossing& c : crossings_) {
+      Artifact& artifact = artifacts_[artifact_behind(sides_[c.from])];
+      ++artifact.boundary_edges;
+      if (regions_.find(c.from) == regions_.find(c.to)) artifact.hull_hole = true;
+    }
+    for (Artifact& a : artifacts_) {
+      std::ranges::sort(a.vertices);
+      a.vertices.erase(std::unique(a.vertices.begin(), a.vertices.end()), a.vertices.end());
+    }
+    return std::move(artifacts_);
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  /// An edge of L, between two sides of H(T).
+  struct Crossing {
+    std::size_t from;
+    std::size_t to;
+  };
 
-  /// u-valence above 1: more than two groups of cells around the vertex.
-  void mark_crowded_vertices() {
-    WalledStar star(complex_);
-    for (std::size_t v = 0; v < crowded_.size(); ++v) {
-      crowded_[v] = star.groups(walls_, VertexIndex(v)).size() > 2 ? 1 : 0;
-    }
-  }
+  std::uint32_t artifact_behind(SideIndex s) const { return artifact_of_[complex_.neighbour(s)]; }
 
-  VertexIndex crowded_vertex_of(SideIndex s) const {
-    for (const VertexIndex v : complex_.facet(s)) {
-      if (crowded_[v] != 0) return v;
-    }
-    return {};
-  }
-
-  /// Hull sides at crowded vertices; crowded vertices of one triangle belong to one artifact.
+  /// Sides of H(T): facets of a sliver set seen from elsewhere.
   void list_sides() {
     number_of_.assign(4 * complex_.cells(), kNone);
     for (std::size_t s = 0; s < number_of_.size(); ++s) {
-      if (!walls_.hull_side(SideIndex(s))) continue;
-      const VertexIndex first = crowded_vertex_of(SideIndex(s));
-      if (!first.valid()) continue;
+      const std::uint32_t artifact = artifact_behind(SideIndex(s));
+      if (artifact == kNone || artifact == artifact_of_[s / 4]) continue;
       number_of_[s] = static_cast<std::uint32_t>(sides_.size());
       sides_.emplace_back(s);
-      for (const VertexIndex v : complex_.facet(SideIndex(s))) {
-        if (crowded_[v] != 0) parts_.unite(first, v);
-      }
+      for (const VertexIndex v : complex_.facet(SideIndex(s))) artifacts_[artifact].vertices.push_back(v);
     }
   }
 
-  /// Joins hull sides that follow one another on the hull; notes where they leave the artifact.
-  void connect() {
-    regions_ = UnionFind(sides_.size());
-    for (std::size_t k = 0; k < sides_.size(); ++k) {
-      const auto facet = complex_.facet(sides_[k]);
-      for (std::size_t i = 0; i < 3; ++i) {
-        const SideIndex next = next_hull_side(walls_, sides_[k], facet[i]);
-        if (number_of_[next] != kNone) {
-          regions_.unite(k, number_of_[next]);
+  /// From a side of H(T) over the edge opposite `behind`, around it outside T, to the next side of H(T). The edge
+  /// belongs to L if other triangles of BC are passed on the way.
+  void turn(std::size_t k, VertexIndex behind) {
+    const std::uint32_t artifact = artifact_behind(sides_[k]);
+    bool passed = false;
+    for (SideIndex entry = sides_[k];;) {
+      std::size_t exit = entry / 4 * 4;
+      while (complex_.vertex(exit) != behind) ++exit;
+      if (artifact_behind(SideIndex(exit)) == artifact) {
+        if (passed) {
+          crossings_.push_back({k, number_of_[exit]});
         } else {
-          boundary_.push_back({k, facet[(i + 1) % 3], facet[(i + 2) % 3]});
+          regions_.unite(k, number_of_[exit]);
         }
+        return;
       }
+      passed = passed || walls_.contains(SideIndex(exit));
+      behind = complex_.vertex(entry);
+      entry = complex_.mate(exit);
     }
   }
-
-  std::vector<Artifact> collect() {
-    std::map<std::uint32_t, Artifact> by_part;
-    for (const SideIndex s : sides_) {
-      Artifact& artifact = by_part[parts_.find(crowded_vertex_of(s))];
-      for (const VertexIndex v : complex_.facet(s)) artifact.vertices.push_back(v);
-    }
-    std::vector<std::tuple<std::uint32_t, VertexIndex, VertexIndex, std::uint32_t>> crossings;
-    for (const Crossing& c : boundary_) {
-      crossings.emplace_back(regions_.find(c.side), std::min(c.a, c.b), std::max(c.a, c.b),
-                             parts_.find(crowded_vertex_of(sides_[c.side])));
-    }
-    std::ranges::sort(crossings);
-    for (std::size_t k = 0; k < crossings.size(); ++k) {
-      Artifact& artifact = by_part[std::get<3>(crossings[k])];
-      ++artifact.boundary_edges;
-      if (k > 0 && crossings[k] == crossings[k - 1]) artifact.hull_hole = true;
-    }
-    std::vector<Artifact> artifacts;
-    for (auto& [part, artifact] : by_part) {
-      std::ranges::sort(artifact.vertices);
-      artifact.vertices.erase(std::unique(artifact.vertices.begin(), artifact.vertices.end()), artifact.vertices.end());
-      artifacts.push_back(std::move(artifact));
-    }
-    return artifacts;
-  }
-
-  struct Crossing {
-    std::size_t side;
-    VertexIndex a;
-    VertexIndex b;
-  };
 
   const Walls& walls_;
   const DelaunayComplex& complex_;
-  std::vector<std::uint8_t> crowded_;
-  UnionFind parts_;
+  std::vector<std::uint32_t> artifact_of_;
+  std::vector<Artifact> artifacts_;
   std::vector<std::uint32_t> number_of_;
   std::vector<SideIndex> sides_;
   UnionFind regions_{0};
-  std::vector<Crossing> boundary_;
+  std::vector<Crossing> crossings_;
 };
 
 }  // namespace

@@ -4,21 +4,24 @@
 
 #include <vector>
 
-#include "minimum_boundary/walled_star.hpp"
+#include "minimum_boundary/spaces.hpp"
 
 namespace surfaced::boundary {
 
-/// A connected part of BC that is not manifold, with the ring of triangles around it.
+/// A sliver set: polyhedra inside H(BC), other than the inside hull, that share triangles, with the set T of their
+/// triangles.
 struct Artifact {
-  /// Vertices of its triangles, ascending.
+  /// Vertices of T, ascending.
   std::vector<VertexIndex> vertices;
-  /// Edges of its boundaries L, each counted from every side of the hull on which it is met.
+  /// Edges of its boundary L: those of the hull H(T) at which there is another triangle of BC outside T, so more than
+  /// two; each counted as often as H(T) meets it.
   std::size_t boundary_edges = 0;
-  /// Walking on the hull inside the artifact, an edge of L is met twice: its hull is no two discs (§5.3).
+  /// L does not part H(T): from one side of an edge of L a walk over triangles of H(T) that crosses no edge of L comes
+  /// to the other side. Where BC folds back upon itself there is such a walk, over the fold.
   bool hull_hole = false;
 };
 
-/// All artifacts, in the order of their least vertex with u-valence above 1.
+/// All artifacts, in the order of their least cell.
 /// @cost  O(cells).
 std::vector<Artifact> find_artifacts(const Walls& walls);
 

@@ -25,7 +25,7 @@ Result<Covered> covered_by(Lids lids, const LidCase& c, const Labelling& labels,
     case Lids::paper:
       break;
   }
-  return cover_by_artifacts(Walls{labels, facets});
+  return cover_by_artifacts(Walls{labels, facets}, c.criterion);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <queue>
 
 #include "minimum_boundary/descent.hpp"
+#include "minimum_boundary/spaces.hpp"
 
 namespace surfaced::boundary {
 namespace {
@@ -24,72 +25,22 @@ double squared_circumradius(const DelaunayComplex& complex, SideIndex s) {
   return std::isnan(squared) ? INFINITY : squared;
 }
 
-/// IN cells that are connected without crossing a wall.
-class Spaces {
- public:
-  explicit Spaces(const Walls& walls) : walls_(walls), space_of_(walls.complex().cells(), kNone) {
-    const DelaunayComplex& complex = walls.complex();
-    std::vector<CellIndex> stack;
-    for (std::size_t seed = 0; seed < space_of_.size(); ++seed) {
-      if (space_of_[seed] != kNone || !walls.labels.in(CellIndex(seed))) continue;
-      space_of_[seed] = count_;
-      stack.assign(1, CellIndex(seed));
-      while (!stack.empty()) {
-        const CellIndex c = stack.back();
-        stack.pop_back();
-        for (std::size_t s = 4 * c; s < 4 * c + 4; ++s) {
-          const CellIndex beyond = complex.neighbour(SideIndex(s));
-          if (walls.contains(SideIndex(s)) || space_of_[beyond] != kNone) continue;
-          space_of_[beyond] = count_;
-          stack.push_back(beyond);
-        }
-      }
-      ++count_;
-    }
+/// Marks the space of largest volume unless it is a single cell.
+void choose_largest(const DelaunayComplex& complex, Spaces& spaces) {
+  std::vector<double> volume(spaces.count, 0);
+  std::vector<std::size_t> cells(spaces.count, 0);
+  for (std::size_t c = 0; c < spaces.of_cell.size(); ++c) {
+    const std::uint32_t space = spaces.of_cell[c];
+    if (space == Spaces::kOutside) continue;
+    const auto at = [&](std::size_t i) { return complex.positions[complex.vertex(4 * c + i)]; };
+    volume[space] += std::abs(dot(at(1) - at(0), cross(at(2) - at(0), at(3) - at(0))));
+    ++cells[space];
   }
-
-  /// The inside hull: every space across the single umbrella of a vertex that also meets the outside; where
-  /// there is none, the largest space unless it is a single cell.
-  std::vector<std::uint8_t> core() const {
-    const DelaunayComplex& complex = walls_.complex();
-    std::vector<std::uint8_t> chosen(count_, 0);
-    WalledStar star(complex);
-    for (std::size_t v = 0; v < complex.points(); ++v) {
-      const auto& groups = star.groups(walls_, VertexIndex(v));
-      if (groups.size() != 2 || groups[0].outside == groups[1].outside) continue;
-      chosen[space_of_[groups[groups[0].outside ? 1 : 0].cells.front()]] = 1;
-    }
-    if (std::ranges::count(chosen, 1) == 0) choose_largest(chosen);
-    std::vector<std::uint8_t> core(space_of_.size(), 0);
-    for (std::size_t c = 0; c < core.size(); ++c) {
-      if (space_of_[c] != kNone) core[c] = chosen[space_of_[c]];
-    }
-    return core;
-  }
-
- private:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-
-  void choose_largest(std::vector<std::uint8_t>& chosen) const {
-    std::vector<double> volume(count_, 0);
-    std::vector<std::size_t> cells(count_, 0);
-    const DelaunayComplex& complex = walls_.complex();
-    for (std::size_t c = 0; c < space_of_.size(); ++c) {
-      if (space_of_[c] == kNone) continue;
-      const auto at = [&](std::size_t i) { return complex.positions[complex.vertex(4 * c + i)]; };
-      volume[space_of_[c]] += std::abs(dot(at(1) - at(0), cross(at(2) - at(0), at(3) - at(0))));
-      ++cells[space_of_[c]];
-    }
-    const auto largest = std::ranges::max_element(volume);
-    if (largest == volume.end()) return;
-    const auto index = static_cast<std::size_t>(largest - volume.begin());
-    if (cells[index] > 1) chosen[index] = 1;
-  }
-
-  const Walls& walls_;
-  std::vector<std::uint32_t> space_of_;
-  std::uint32_t count_ = 0;
-};
+  const auto largest = std::ranges::max_element(volume);
+  if (largest == volume.end()) return;
+  const auto index = static_cast<std::size_t>(largest - volume.begin());
+  if (cells[index] > 1) spaces.inside[index] = 1;
+}
 
 enum class Taker : std::uint8_t { outside, core };
 
@@ -186,7 +137,13 @@ class Sculptor {
 }  // namespace
 
 std::vector<std::uint8_t> inside_hull(const Labelling& labels, const FacetSet& walls) {
-  return Spaces(Walls{labels, walls}).core();
+  Spaces spaces = find_spaces(Walls{labels, walls});
+  if (std::ranges::count(spaces.inside, 1) == 0) choose_largest(labels.complex(), spaces);
+  std::vector<std::uint8_t> core(spaces.of_cell.size(), 0);
+  for (std::size_t c = 0; c < core.size(); ++c) {
+    if (spaces.of_cell[c] != Spaces::kOutside) core[c] = spaces.inside[spaces.of_cell[c]];
+  }
+  return core;
 }
 
 Result<Sculptured> sculpture(Labelling& labels, const FacetSet& walls, const Criterion& criterion,

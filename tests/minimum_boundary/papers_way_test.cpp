@@ -133,12 +133,13 @@ TEST(Artifacts, a_wide_opening_is_a_hull_hole_and_a_closed_sphere_has_none) {
 
 TEST(HoleCovering, lids_of_a_hull_hole_keep_the_outside_out) {
   const Start open(complex_of(open_sphere()), true);
-  const Covered covered = cover_by_artifacts(open.walls());
+  const Covered covered = cover_by_artifacts(open.walls(), open.criterion);
   EXPECT_GT(covered.hull_holes, 0U);
   EXPECT_GT(covered.lids, 0U);
   const FloodScore before = flood_score(open.complex, open.facets, 1);
   const FloodScore after = flood_score(open.complex, covered.facets, 1);
   EXPECT_LT(after.lost, before.lost / 2);
+  EXPECT_LT(covered.lids, open.complex.cells() / 2) << "a quarter of all facets: lids percolate";
 }
 
 TEST(Conforming, takes_cells_in_until_every_vertex_conforms_or_has_no_more_to_take) {
