@@ -60,6 +60,7 @@ struct Certificate {
   /// Two such vertices.
   std::optional<std::array<VertexIndex, 2>> close_sheets;
 
+  /// Meaningless unless bounds_apply().
   QualityBounds bounds;
   /// The same for ε = 1/(8κ), the largest that the theorem takes: about 0.4997 and 0.0208, in the paper 0.5 and 0.021.
   QualityBounds bounds_at_largest_epsilon;
@@ -69,6 +70,10 @@ struct Certificate {
   /// What the corollary says if its premises hold: Hausdorff distance 4κε², distance of unit normals 9κε.
   double hausdorff_bound = 0;
   double normal_bound = 0;
+
+  /// Whether the theorem says anything of the triangles: ε ≤ 1/(8κ). Beyond, its lower bounds fall to 0, and worse
+  /// meshes would keep them more easily.
+  bool bounds_apply() const { return epsilon_within_curvature != Premise::fails; }
 
   /// Fails if one fails, else assumed: the last premise always is.
   Premise premises_met() const;

@@ -81,7 +81,8 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
 
 /// The certificate of the mesh, where the method has one.
 Status add_certificate(const FileRequest& request, const TriangleMesh& mesh, Measured& measured, Context& context) {
-  if (!method_of(*request.method).certified) return Done{};
+  if (!method_of(*request.method).certified || request.parameters.at("certificate") == "no") return Done{};
+  context.enter("certificate", 0.9);
   Result<Certificate> certificate = certify(mesh, context);
   if (!certificate) return std::move(certificate).error();
   measured.certificate = std::move(*certificate);
@@ -172,7 +173,7 @@ Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const 
 
 Result<Json> measure_unwritten(const FileRequest& request, const PointCloud& cloud, const Json& preparing,
                                const Reconstruction& result, Context& context) {
-  context.enter("quality", 1);
+  context.enter("quality", 0.7);
   const Topology topology = topology_of(result.mesh);
   Measured measured{.mesh = topology_json(topology),
                     .quality = quality_of(result, cloud, vertices_are_points(request), result.mesh, topology),

@@ -62,6 +62,13 @@ Json intrinsic_delaunay_properties() {
          "distance to the 6th nearest neighbour at each end."},
         {"x-unit", "unit of the input"}}},
       {"max_edge", max_edge_property("auto is 3, except for triangles on which three local triangulations agree.")},
+      {"certificate",
+       {{"enum", {"yes", "no"}},
+        {"default", "yes"},
+        {"title", "Certificate"},
+        {"description",
+         "Estimates curvature and sampling and holds the triangles against the paper's bounds; no leaves that out of "
+         "the report, and saves most of the time on large clouds."}}},
       {"upsample", upsample_property()},
       {"openings", openings_property()},
       {"fill_holes", fill_holes_property("small")},

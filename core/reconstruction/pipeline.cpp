@@ -199,7 +199,7 @@ Result<Json> measure_unguarded(const std::filesystem::path& mesh,
     cloud = std::move(*loaded);
   }
   context.section(1);
-  context.enter("quality", 1);
+  context.enter("quality", 0.6);
   const Topology topology = topology_of(*decoded);
   std::optional<PointUse> use;
   if (cloud) use = use_of_points(*cloud, *decoded, topology, true);
@@ -213,6 +213,7 @@ Result<Json> measure_unguarded(const std::filesystem::path& mesh,
               {"provenance", {{"generator", "surfaced"}, {"version", version()}}}};
   for (std::string& warning : warnings_of_openings(report.at("mesh"))) report["warnings"].push_back(std::move(warning));
   if (!decoded->triangles.empty()) {
+    context.enter("certificate", 1);
     const Result<Certificate> certificate = certify(*decoded, context);
     if (!certificate) return certificate.error();
     report["certificate"] = certificate_json(*certificate);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "reconstruction/report.hpp"
 
+#include "reconstruction/words.hpp"
+
 namespace surfaced {
 namespace {
 
@@ -47,6 +49,12 @@ Json premises_json(const Certificate& c) {
       {"without_boundary", {{"met", premise_json(c.without_boundary)}}},
       {"injectivity_and_convexity",
        {{"met", premise_json(c.injectivity_and_convexity)}, {"close_sheets", std::move(sheets)}}}};
+}
+
+std::string why_bounds_say_nothing(const Certificate& c) {
+  return "epsilon is " + briefly(c.epsilon * c.largest_curvature) +
+         " / kappa, and the theorem takes 1/8 at most: beyond it its lower bounds fall to 0, which every triangle "
+         "keeps";
 }
 
 Json table_json(const std::optional<TableFacts>& table) {
@@ -114,7 +122,8 @@ Json certificate_json(const Certificate& c) {
       {"premises", premises_json(c)},
       {"premises_met", premise_json(c.premises_met())},
       {"bounds", bounds_json(c.bounds)},
-      {"bounds_met", c.bounds.met()},
+      {"bounds_met", c.bounds_apply() ? Json(c.bounds.met()) : Json(nullptr)},
+      {"bounds_say_nothing_because", c.bounds_apply() ? Json(nullptr) : Json(why_bounds_say_nothing(c))},
       {"bounds_at_largest_epsilon", bounds_json(c.bounds_at_largest_epsilon)},
       {"bounds_at_largest_epsilon_met", c.bounds_at_largest_epsilon.met()},
       {"worst_triangles", std::move(worst)},

@@ -185,10 +185,38 @@ TEST_F(Files, a_certificate_is_in_the_reports_of_intrinsic_delaunay_and_of_measu
   EXPECT_EQ(certificate.at("bounds_met"), true);
   EXPECT_EQ(certificate.at("premises").at("injectivity_and_convexity").at("met"), "assumed");
   EXPECT_NEAR(certificate.at("curvature").at("p99").get<double>(), 1, 0.03);
+  EXPECT_EQ(certificate.at("bounds_say_nothing_because"), nullptr);
+  Context none;
+  const auto left_out = reconstruct_file(
+      {cloud, folder_ / "n.glb", &method, *check_parameters(method, {{"certificate", "no"}}), {}, {}}, none);
+  EXPECT_FALSE(left_out->contains("certificate"));
   Context again(2);
   const auto measured = measure_file(folder_ / "m.glb", std::nullopt, false, again);
   ASSERT_TRUE(measured);
   EXPECT_EQ(measured->at("certificate"), certificate);
+}
+
+/// A cube of few points: its edges are sharper than any sampling could resolve.
+TEST_F(Files, a_certificate_does_not_say_that_bounds_are_met_where_the_theorem_says_nothing) {
+  std::vector<Point3> points;
+  for (int i = 0; i < 125; ++i) {
+    const Point3 p{i % 5 / 4.0, i / 5 % 5 / 4.0, i / 25 / 4.0};
+    if (std::ranges::any_of(p, [](double x) { return x == 0 || x == 1; })) points.push_back(p);
+  }
+  const MethodInfo& method = **find_method("intrinsic-delaunay");
+  Context context;
+  const auto report = reconstruct_file({write_cloud("cube.ply", points),
+                                        folder_ / "cube.glb",
+                                        &method,
+                                        *check_parameters(method, Json::object()),
+                                        {},
+                                        {}},
+                                       context);
+  ASSERT_TRUE(report);
+  const Json& certificate = report->at("certificate");
+  EXPECT_EQ(certificate.at("premises").at("epsilon_within_curvature").at("met"), false);
+  EXPECT_EQ(certificate.at("bounds_met"), nullptr);
+  EXPECT_THAT(certificate.at("bounds_say_nothing_because").get<std::string>(), HasSubstr("1/8"));
 }
 
 TEST_F(Files, mesh_has_the_same_bytes_for_any_order_of_the_points) {

@@ -63,7 +63,8 @@ function triangles({ quality }: Report): Sentence[] {
 
 function certificate({ certificate: found }: Report): Sentence[] {
   if (!found) return [];
-  const bounds = found.bounds_met ? 'every triangle keeps the bounds of the theorem' : 'some triangles break the bounds of the theorem';
+  const bounds = found.bounds_met === null ? 'of its triangles the theorem says nothing'
+    : found.bounds_met ? 'every triangle keeps the bounds of the theorem' : 'some triangles break the bounds of the theorem';
   if (found.premises_met === false) {
     const open = Object.entries(found.premises).filter(([, premise]) => premise.met === false).map(([name]) => name.replaceAll('_', ' '));
     return [fair(`The certificate gives no guarantee here: ${open.join(', ')} ${open.length === 1 ? 'is' : 'are'} not met (ε ${real(found.epsilon)}); ${bounds}.`)];
