@@ -71,8 +71,8 @@ struct Certificate {
   double hausdorff_bound = 0;
   double normal_bound = 0;
 
-  /// Whether the theorem says anything of the triangles: ε ≤ 1/(8κ). Beyond, its lower bounds fall to 0, and worse
-  /// meshes would keep them more easily.
+  /// Whether the theorem says anything of the triangles: ε ≤ 1/(8κ). Beyond, its formulas fall, to 0 in
+  /// the end, and worse meshes would keep them more easily.
   bool bounds_apply() const { return epsilon_within_curvature != Premise::fails; }
 
   /// Fails if one fails, else assumed: the last premise always is.

@@ -53,8 +53,7 @@ Json premises_json(const Certificate& c) {
 
 std::string why_bounds_say_nothing(const Certificate& c) {
   return "epsilon is " + briefly(c.epsilon * c.largest_curvature) +
-         " / kappa, and the theorem takes 1/8 at most: beyond it its lower bounds fall to 0, which every triangle "
-         "keeps";
+         " / kappa, and the theorem takes 1/8 at most; beyond, its formulas fall to 0 and prove nothing";
 }
 
 Json table_json(const std::optional<TableFacts>& table) {
