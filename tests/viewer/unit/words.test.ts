@@ -23,6 +23,16 @@ test('the report of a closed mesh says watertight, its genus, its points and its
   assert.match(words, /certificate of the sampling theorem holds for ε 0\.09506/);
 });
 
+test('where the theorem says nothing of the triangles, no bound is said to be kept', () => {
+  const report = structuredClone(example('report-intrinsic-delaunay.json'));
+  const certificate = report.certificate!;
+  certificate.premises.epsilon_within_curvature.met = false;
+  Object.assign(certificate, { premises_met: false, bounds_met: null, bounds_say_nothing_because: 'epsilon is 4.61 / kappa' });
+  const words = text(report);
+  assert.match(words, /fair: The certificate gives no guarantee here: epsilon within curvature is not met .*; of its triangles the theorem says nothing/);
+  assert.doesNotMatch(words, /keeps the bounds/);
+});
+
 test('openings, unused points, crossings and warnings are said with their numbers', () => {
   const report = structuredClone(example('report-advancing-front.json'));
   Object.assign(report.mesh, { closed: false, boundary_loops: 2, boundary_edges: 31, non_manifold_edges: 1, genus: 1 });
