@@ -6,16 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <new>
-#include <numbers>
 
-#include "base/parallel.hpp"
 #include "cloud/cloud.hpp"
+#include "intrinsic_delaunay/close_sheets.hpp"
 #include "intrinsic_delaunay/curvature.hpp"
 #include "intrinsic_delaunay/flips.hpp"
 #include "quality/quality.hpp"
-#include "spatial/spatial.hpp"
 
 namespace surfaced {
 namespace idt {
@@ -96,68 +93,6 @@ std::vector<Point3> vertex_normals(const Welded& mesh) {
   return normals;
 }
 
-/// Whether a path of edges no longer than the limit leads from v to w. Gives up, saying yes, after many vertices.
-bool near_on_the_mesh(const Welded& mesh, const Adjacency& adjacency, std::uint32_t v, std::uint32_t w, double limit) {
-  constexpr std::size_t kMostVertices = 512;
-  constexpr std::size_t kMostReached = 4096;
-  std::vector<std::pair<double, std::uint32_t>> settled;
-  std::vector<std::pair<double, std::uint32_t>> reached{{0, v}};
-  while (!reached.empty()) {
-    const auto nearest = std::ranges::min_element(reached);
-    const auto [distance, at] = *nearest;
-    reached.erase(nearest);
-    if (at == w) return true;
-    if (std::ranges::find(settled, at, &std::pair<double, std::uint32_t>::second) != settled.end()) continue;
-    settled.emplace_back(distance, at);
-    if (settled.size() == kMostVertices) return true;
-    for (const std::uint32_t next : adjacency.of(at)) {
-      const double far = distance + norm(mesh.positions[next] - mesh.positions[at]);
-      if (far <= limit) reached.emplace_back(far, next);
-      if (reached.size() > kMostReached) return true;
-    }
-  }
-  return false;
-}
-
-/// Two vertices within 2ε whose normals differ by more than 90° and that are farther apart on the mesh than a surface
-/// of curvature 1/(8ε) needs to turn that far; the least such pair. Looks at the 16 nearest of every vertex.
-std::optional<std::array<std::uint32_t, 2>> close_sheets(const Welded& mesh, const Adjacency& adjacency, double epsilon,
-                                                         unsigned threads) {
-  constexpr std::size_t kNear = 16;
-  if (mesh.positions.size() < 3) return std::nullopt;
-  const std::vector<Point3> normals = vertex_normals(mesh);
-  const BoxTree tree(mesh.positions, threads);
-  using Pair = std::array<std::uint32_t, 2>;
-  std::optional<Pair> least;
-  std::mutex mutex;
-  const auto look_at = [&](std::uint32_t v, const Neighbours& found) -> std::optional<Pair> {
-    for (std::size_t i = 0; i < found.count; ++i) {
-      const std::uint32_t w = found.index[i];
-      const double distance = norm(mesh.positions[w] - mesh.positions[v]);
-      if (w < v || distance > 2 * epsilon || !(dot(normals[v], normals[w]) < 0)) continue;
-      // With curvature 1/(8ε), turning by 90° takes 4πε: 2π times the distance, which is at most 2ε.
-      if (!near_on_the_mesh(mesh, adjacency, v, w, 2 * std::numbers::pi * distance)) return Pair{v, w};
-    }
-    return std::nullopt;
-  };
-  parallel_tasks(threads, tree.blocks(), [&](std::size_t block) {
-    NeighbourSearch search(tree);
-    Neighbours found;
-    for (std::size_t leaf = tree.first_leaf(block); leaf < tree.first_leaf(block + 1); ++leaf) {
-      search.begin_leaf(leaf, kNear);
-      for (std::size_t v = tree.first_point(leaf); v < tree.first_point(leaf + 1); ++v) {
-        search.nearest(v, kNear, found);
-        const auto pair = look_at(static_cast<std::uint32_t>(v), found);
-        if (!pair) continue;
-        const std::scoped_lock lock(mutex);
-        if (!least || *pair < *least) least = pair;
-        return;
-      }
-    }
-  });
-  return least;
-}
-
 void estimate_curvature(const Welded& mesh, const Adjacency& adjacency, Context& context, Certificate& c) {
   std::vector<double> all = curvatures(mesh.positions, adjacency, context);
   c.vertices_without_curvature = std::erase_if(all, [](double k) { return k < 0; });
@@ -233,7 +168,10 @@ Result<Certificate> certificate_of(const TriangleMesh& mesh, Context& context) {
   measure_triangles(*welded, c);
   count_edges_beyond_pi(*welded, c);
   judge_premises(mesh, c);
-  if (const auto pair = close_sheets(*welded, adjacency, c.epsilon, context.threads())) {
+  // Where the surface turns within ε anyway, nothing follows from far pairs.
+  constexpr std::size_t kAlways = 3'000'000;
+  const std::size_t most_steps = std::max(kAlways, (c.bounds_apply() ? 1000U : 20U) * welded->positions.size());
+  if (const auto pair = close_sheets(welded->positions, vertex_normals(*welded), adjacency, c.epsilon, most_steps)) {
     c.injectivity_and_convexity = Premise::fails;
     c.close_sheets = {welded->original[(*pair)[0]], welded->original[(*pair)[1]]};
   }

@@ -103,6 +103,27 @@ TEST(Certificate, names_two_vertices_of_sheets_that_are_too_close) {
   EXPECT_EQ(c.premises_met(), Premise::fails);
 }
 
+/// All pairs within 2 epsilon count, however many neighbours are nearer: a coarse sphere far away sets epsilon.
+TEST(Certificate, names_close_sheets_that_are_not_among_the_nearest) {
+  const TriangleMesh outer = testing::icosphere(5);
+  TriangleMesh far = testing::icosphere(3);
+  const double epsilon = certificate_of(far).epsilon * 0.7;
+  for (Point3& p : far.positions) {
+    for (double& x : p) x *= 0.7;
+  }
+  for (const double gap : {0.8, 0.95, 1.1}) {
+    TriangleMesh inner = outer;
+    for (Point3& p : inner.positions) {
+      for (double& x : p) x *= 1 - gap * 2 * epsilon;
+    }
+    for (Triangle& t : inner.triangles) std::swap(t[1], t[2]);
+    const TriangleMesh shells = testing::together(outer, inner, {0, 0, 0});
+    const Certificate c = certificate_of(testing::together(shells, far, {10, 0, 0}));
+    ASSERT_NEAR(c.epsilon, epsilon, 1e-6);
+    EXPECT_EQ(c.close_sheets.has_value(), gap < 1) << gap;
+  }
+}
+
 TEST(Certificate, does_not_take_a_sharp_edge_for_close_sheets) {
   // A wedge whose sides meet at 40 degrees.
   TriangleMesh mesh;
