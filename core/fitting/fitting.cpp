@@ -24,8 +24,8 @@ struct NoJet {};
 constexpr std::size_t kDegree = 2;
 constexpr int kCoefficients = 6;
 
-/// Least squares as CGAL's fitting asks for them: by QR with pivoting, which takes a third of the time of CGAL's own
-/// solver, by that (singular values) where the points leave the quadric free. Eigen's decomposition of a matrix that is
+/// Least squares as CGAL's fitting asks for them: by QR with pivoting, which is faster than CGAL's own solver, by
+/// that (singular values) where the points leave the quadric free. Eigen's decomposition of a matrix that is
 /// not finite has no rank, and what CGAL then solves with is memory that nobody wrote.
 struct JetSolver {
   using FT = CGAL::Eigen_svd::FT;

@@ -13,6 +13,7 @@
 #include "hole_filling/hole_filling.hpp"
 #include "hole_filling/library_patch.hpp"
 #include "hole_filling/refinement.hpp"
+#include "mesh/area_normal.hpp"
 #include "quality/quality.hpp"
 
 namespace surfaced {
@@ -98,7 +99,7 @@ class Filling {
     areas_.resize(components.count, 0);
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const Triangle& triangle = mesh_.triangles[t];
-      const Point3 normal = area_vector(triangle);
+      const Point3 normal = area_normal(mesh_, triangle);
       areas_[components.of_triangle[t]] += norm(normal) / 2;
       for (std::size_t i = 0; i < 3; ++i) survey_corner(triangle, i, normal, components.of_triangle[t]);
     }
@@ -116,11 +117,6 @@ class Filling {
     if (const auto direction = direction_of(normal)) {
       on_boundary->second += std::atan2(norm(cross(a, b)), dot(a, b)) * *direction;
     }
-  }
-
-  Point3 area_vector(const Triangle& t) const {
-    const Point3& a = mesh_.positions[t[0]];
-    return cross(mesh_.positions[t[1]] - a, mesh_.positions[t[2]] - a);
   }
 
   Attempt attempt_at(const BoundaryLoop& loop) const {
@@ -226,19 +222,19 @@ class Filling {
       owners.resize(filled.triangles.size() - mesh_.triangles.size(), &attempt);
     }
     const std::size_t first = mesh_.triangles.size();
+    std::unordered_set<const Attempt*> crossing;
     for (const auto& [a, b] : intersections_from(filled, first)) {
       Attempt* const at_a = a < first ? nullptr : owners[a - first];
       Attempt* const at_b = b < first ? nullptr : owners[b - first];
       Attempt* later = std::max(at_a, at_b);
       if (later->settled) later = std::min(at_a, at_b);
-      if (later != nullptr && !later->settled) crossing_.insert(later);
+      if (later != nullptr && !later->settled) crossing.insert(later);
     }
     for (Attempt& attempt : attempts_) {
       if (!attempt.patch || attempt.settled) continue;
-      attempt.settled = !crossing_.contains(&attempt);
+      attempt.settled = !crossing.contains(&attempt);
       if (!attempt.settled) take_back(attempt);
     }
-    crossing_.clear();
   }
 
   void take_back(Attempt& attempt) {
@@ -338,7 +334,6 @@ class Filling {
   Context& context_;
   FillReport report_;
   std::vector<Attempt> attempts_;
-  std::unordered_set<const Attempt*> crossing_;
   /// Of boundary vertices: normals weighted by angles, and components.
   std::unordered_map<std::uint32_t, Point3> normals_;
   std::unordered_map<std::uint32_t, std::uint32_t> component_of_;

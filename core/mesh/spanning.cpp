@@ -17,7 +17,7 @@ namespace {
 
 /// Measured on 9 seeds of hemispheres, tunnels, vaults, catenoids, spheres with holes and terrains with lakes, against
 /// closed bodies of the same numbers of points, some a third as dense on one side: the openings have areas of 96
-/// squared circumradii or more, the largest gap of a closed body 12.
+/// squared circumradii (the median at their corners) or more, the largest gap of a closed body 12.
 constexpr double kLongCircumradius = 3;
 constexpr double kOpeningArea = 36;
 /// Bars between rims are narrow, and known by their length: seven spacings.
