@@ -12,6 +12,7 @@
 #include "intrinsic_delaunay/close_sheets.hpp"
 #include "intrinsic_delaunay/curvature.hpp"
 #include "intrinsic_delaunay/flips.hpp"
+#include "mesh/area_normal.hpp"
 #include "quality/quality.hpp"
 
 namespace surfaced {
@@ -78,19 +79,6 @@ void count_violations(const TriangleShape& shape, QualityBounds& b) {
   if (outside(shape.shortest_edge_to_circumradius, b.shortest_edge_to_circumradius))
     ++b.shortest_edge_to_circumradius.violations;
   if (outside(shape.inradius_to_longest_edge, b.inradius_to_longest_edge)) ++b.inradius_to_longest_edge.violations;
-}
-
-/// Unit normals of the vertices, by area; zero where the areas cancel.
-std::vector<Point3> vertex_normals(const Welded& mesh) {
-  std::vector<Point3> normals(mesh.positions.size(), Point3{});
-  for (const Triangle& t : mesh.triangles) {
-    const Point3& a = mesh.positions[t[0]];
-    const Point3 n = cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
-    for (const VertexIndex v : t) {
-      for (std::size_t i = 0; i < 3; ++i) normals[v][i] += n[i];
-    }
-  }
-  return normals;
 }
 
 void estimate_curvature(const Welded& mesh, const Adjacency& adjacency, Context& context, Certificate& c) {
@@ -171,7 +159,8 @@ Result<Certificate> certificate_of(const TriangleMesh& mesh, Context& context) {
   // Where the surface turns within ε anyway, nothing follows from far pairs.
   constexpr std::size_t kAlways = 3'000'000;
   const std::size_t most_steps = std::max(kAlways, (c.bounds_apply() ? 1000U : 20U) * welded->positions.size());
-  if (const auto pair = close_sheets(welded->positions, vertex_normals(*welded), adjacency, c.epsilon, most_steps)) {
+  if (const auto pair = close_sheets(welded->positions, area_normals_at_vertices(welded->positions, welded->triangles),
+                                     adjacency, c.epsilon, most_steps)) {
     c.injectivity_and_convexity = Premise::fails;
     c.close_sheets = {welded->original[(*pair)[0]], welded->original[(*pair)[1]]};
   }

@@ -1,13 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "mesh/mesh.hpp"
 
 namespace surfaced {
 
 /// The normal of the triangle, twice as long as its area.
-inline Point3 area_normal(const TriangleMesh& mesh, const Triangle& t) {
-  return cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
+inline Point3 area_normal(std::span<const Point3> positions, const Triangle& t) {
+  return cross(positions[t[1]] - positions[t[0]], positions[t[2]] - positions[t[0]]);
+}
+inline Point3 area_normal(const TriangleMesh& mesh, const Triangle& t) { return area_normal(mesh.positions, t); }
+
+/// At every vertex the sum over its triangles.
+inline std::vector<Point3> area_normals_at_vertices(std::span<const Point3> positions,
+                                                    std::span<const Triangle> triangles) {
+  std::vector<Point3> normals(positions.size(), Point3{});
+  for (const Triangle& t : triangles) {
+    const Point3 n = area_normal(positions, t);
+    for (const VertexIndex v : t) {
+      for (std::size_t axis = 0; axis < 3; ++axis) normals[v][axis] += n[axis];
+    }
+  }
+  return normals;
 }
 
 }  // namespace surfaced

@@ -50,18 +50,6 @@ struct Decision {
 
 Point3 as_point(const Normal3& n) { return {n[0], n[1], n[2]}; }
 
-/// At every vertex the sum of what its triangles face.
-std::vector<Point3> facing_at_vertices(const TriangleMesh& mesh) {
-  std::vector<Point3> facing(mesh.positions.size(), Point3{});
-  for (const Triangle& t : mesh.triangles) {
-    const Point3 f = area_normal(mesh, t);
-    for (const VertexIndex v : t) {
-      for (std::size_t axis = 0; axis < 3; ++axis) facing[v][axis] += f[axis];
-    }
-  }
-  return facing;
-}
-
 double cosine(const Point3& a, const Point3& b) {
   const double lengths = norm(a) * norm(b);
   return lengths > 0 ? dot(a, b) / lengths : 0;
@@ -73,7 +61,7 @@ class FrontFinder {
       : mesh_(mesh), options_(options), components_(components_of(mesh)), parts_(components_.count) {}
 
   Facing run() {
-    if (!mesh_.normals.empty()) facing_ = facing_at_vertices(mesh_);
+    if (!mesh_.normals.empty()) facing_ = area_normals_at_vertices(mesh_.positions, mesh_.triangles);
     weigh_triangles();
     if (!mesh_.normals.empty()) weigh_normals();
     turn(decisions());
@@ -190,7 +178,8 @@ class FrontFinder {
       ++found_.turned;
     }
     if (told > 0) found_.certainty = certain / static_cast<double>(told);
-    if (found_.turned > 0 && !mesh_.normals.empty()) facing_ = facing_at_vertices(mesh_);
+    if (found_.turned > 0 && !mesh_.normals.empty())
+      facing_ = area_normals_at_vertices(mesh_.positions, mesh_.triangles);
   }
 
   void mend_normals() {
