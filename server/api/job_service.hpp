@@ -16,11 +16,11 @@
 #include "api/submission.hpp"
 #include "artifacts/artifact_store.hpp"
 #include "clouds/cloud_service.hpp"
+#include "execution/renditions.hpp"
+#include "execution/scheduler.hpp"
 #include "http/message.hpp"
 #include "jobs/job_events.hpp"
 #include "jobs/job_store.hpp"
-#include "jobs/renditions.hpp"
-#include "jobs/scheduler.hpp"
 
 namespace surfaced::api {
 

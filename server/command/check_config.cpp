@@ -5,7 +5,7 @@
 
 #include "command/command.hpp"
 #include "command/problem.hpp"
-#include "config/serve_options.hpp"
+#include "command/serve_options.hpp"
 #include "http/tls.hpp"
 
 namespace surfaced {

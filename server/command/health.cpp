@@ -6,7 +6,7 @@
 
 #include "command/health.hpp"
 #include "command/problem.hpp"
-#include "config/serve_options.hpp"
+#include "command/serve_options.hpp"
 #include "http/server.hpp"
 
 namespace surfaced {

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "jobs/stage_clock.hpp"
+#include "execution/stage_clock.hpp"
 #include "observability/log.hpp"
 
 namespace surfaced {

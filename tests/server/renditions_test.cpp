@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "jobs/renditions.hpp"
+#include "execution/renditions.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "config/serve_options.hpp"
+#include "command/serve_options.hpp"
 
 #include <cstdlib>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "jobs/scheduler.hpp"
+#include "execution/scheduler.hpp"
 
 #include <unistd.h>
 

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "artifacts/artifact_store.hpp"
+#include "execution/stage_clock.hpp"
 #include "jobs/job_events.hpp"
 #include "jobs/job_store.hpp"
-#include "jobs/stage_clock.hpp"
 #include "worker/attempt_runner.hpp"
 
 namespace surfaced {
