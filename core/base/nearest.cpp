@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/text.hpp"
+
 namespace surfaced {
 namespace {
 
@@ -11,11 +13,8 @@ constexpr std::size_t kLongest = 64;
 constexpr std::size_t kLettersPerEdit = 3;
 
 std::string lower(std::string_view text) {
-  std::string plain(text);
-  for (char& c : plain) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (c == '_') c = '-';
-  }
+  std::string plain = in_lower_case(text);
+  std::ranges::replace(plain, '_', '-');
   return plain;
 }
 

@@ -35,16 +35,12 @@ std::ptrdiff_t read_fully(int descriptor, std::byte* to, std::size_t count) {
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (valid()) ::close(number_);
-}
-
 Result<ByteSource> ByteSource::open(const std::filesystem::path& path) {
   ByteSource source;
-  source.file_ = Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!source.file_.valid()) return Error{ErrorCode::input_unreadable, path.string() + ": " + reason(errno)};
+  source.file_ = UniqueFd(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!source.file_) return Error{ErrorCode::input_unreadable, path.string() + ": " + reason(errno)};
   struct stat info {};
-  if (::fstat(source.file_.number(), &info) != 0)
+  if (::fstat(source.file_.get(), &info) != 0)
     return Error{ErrorCode::input_unreadable, path.string() + ": " + reason(errno)};
   if (S_ISDIR(info.st_mode)) return Error{ErrorCode::input_unreadable, path.string() + " is a directory"};
   if (S_ISREG(info.st_mode)) {
@@ -59,7 +55,7 @@ Status ByteSource::slurp(const std::filesystem::path& path) {
   std::size_t length = 0;
   for (;;) {
     block_.resize(std::max(2 * length, kBlock));
-    const std::ptrdiff_t got = read_fully(file_.number(), block_.data() + length, block_.size() - length);
+    const std::ptrdiff_t got = read_fully(file_.get(), block_.data() + length, block_.size() - length);
     if (got < 0) return Error{ErrorCode::input_unreadable, path.string() + ": " + reason(static_cast<int>(-got))};
     length += static_cast<std::size_t>(got);
     if (length < block_.size()) break;
@@ -83,7 +79,7 @@ void ByteSource::refill(std::size_t wanted) {
     std::memmove(block_.data(), cursor_, kept);
   }
   const std::size_t asked = std::max(size, std::min<std::size_t>(block_.size(), kept + unread_)) - kept;
-  const std::ptrdiff_t got = read_fully(file_.number(), block_.data() + kept, asked);
+  const std::ptrdiff_t got = read_fully(file_.get(), block_.data() + kept, asked);
   if (got < 0) failure_ = Error{ErrorCode::input_unreadable, "reading failed: " + reason(static_cast<int>(-got))};
   const std::size_t read = got < 0 ? 0 : static_cast<std::size_t>(got);
   // A file that became shorter while it was read ends here.

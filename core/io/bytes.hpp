@@ -8,31 +8,12 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/base.hpp"
+#include "base/unique_fd.hpp"
 
 namespace surfaced::io {
-
-/// Owner of a file descriptor.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int number) : number_(number) {}
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-  ~Descriptor();
-
-  int number() const { return number_; }
-  bool valid() const { return number_ >= 0; }
-
- private:
-  int number_ = -1;
-};
 
 /// A forward reader. What it holds of a file is one block, however long the file is.
 class ByteSource {
@@ -72,7 +53,7 @@ class ByteSource {
   const std::byte* cursor_ = nullptr;
   const std::byte* end_ = nullptr;
   std::uint64_t unread_ = 0;
-  Descriptor file_;
+  UniqueFd file_;
   std::vector<std::byte> block_;
   std::optional<Error> failure_;
 };

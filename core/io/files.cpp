@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <system_error>
 
-#include "io/bytes.hpp"
+#include "base/unique_fd.hpp"
 #include "io/io.hpp"
 
 namespace surfaced {
@@ -22,9 +22,9 @@ Error not_writable(const std::filesystem::path& path, int error) {
   return not_writable(path, std::generic_category().message(error));
 }
 
-Status write_all(const io::Descriptor& file, std::span<const std::byte> bytes, const std::filesystem::path& path) {
+Status write_all(const UniqueFd& file, std::span<const std::byte> bytes, const std::filesystem::path& path) {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(file.number(), bytes.data(), bytes.size());
+    const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return not_writable(path, errno);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
@@ -35,7 +35,7 @@ Status write_all(const io::Descriptor& file, std::span<const std::byte> bytes, c
 /// A file of a name nobody has, beside the target so that the rename stays within one file system.
 struct Temporary {
   std::filesystem::path path;
-  io::Descriptor file;
+  UniqueFd file;
 };
 
 Result<Temporary> create_temporary(const std::filesystem::path& target) {
@@ -44,7 +44,7 @@ Result<Temporary> create_temporary(const std::filesystem::path& target) {
     const std::string name = ".surfaced-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp";
     std::filesystem::path path = target.parent_path() / name;
     const int number = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (number >= 0) return Temporary{std::move(path), io::Descriptor(number)};
+    if (number >= 0) return Temporary{std::move(path), UniqueFd(number)};
     if (errno != EEXIST) return not_writable(target, errno);
   }
   return not_writable(target, "1000 temporary names beside it are taken");
@@ -55,16 +55,16 @@ Result<Temporary> create_temporary(const std::filesystem::path& target) {
 /// although the file is there.
 Status sync_folder(const std::filesystem::path& target) {
   const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
-  const io::Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (opened.valid() ? ::fsync(opened.number()) == 0 || errno == EINVAL : errno == EACCES) return Done{};
+  const UniqueFd opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened ? ::fsync(opened.get()) == 0 || errno == EINVAL : errno == EACCES) return Done{};
   return not_writable(target,
                       "the file is there, but may be gone after a power cut, for its folder cannot be synced: " +
                           std::generic_category().message(errno));
 }
 
 Status write_in_place(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  const io::Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-  if (!file.valid()) return not_writable(path, errno);
+  const UniqueFd file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!file) return not_writable(path, errno);
   return write_all(file, bytes, path);
 }
 
@@ -83,7 +83,7 @@ Status write_file(const std::filesystem::path& path, std::span<const std::byte> 
   Result<Temporary> temporary = create_temporary(target);
   if (!temporary) return std::move(temporary).error();
   Status status = write_all(temporary->file, bytes, path);
-  if (status && ::fsync(temporary->file.number()) != 0) status = not_writable(path, errno);
+  if (status && ::fsync(temporary->file.get()) != 0) status = not_writable(path, errno);
   if (status && ::rename(temporary->path.c_str(), target.c_str()) != 0) status = not_writable(path, errno);
   if (status) return sync_folder(target);
   ::unlink(temporary->path.c_str());

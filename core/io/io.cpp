@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 #include <utility>
 
+#include "base/text.hpp"
 #include "io/formats.hpp"
 #include "io/guarded.hpp"
 
@@ -83,14 +85,11 @@ Error too_many(std::string_view name, std::uint64_t points, std::uint64_t limit)
 }  // namespace io
 
 Result<MeshFormat> mesh_format_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string extension = in_lower_case(path.extension().string());
   const auto* found =
       std::ranges::find(kExtensions, std::string_view(extension), [](const auto& row) { return row.first; });
   if (found != kExtensions.end()) return found->second;
-  std::string known;
-  for (const auto& [name, format] : kExtensions) known += (known.empty() ? "" : ", ") + std::string(name);
+  const std::string known = joined(kExtensions | std::views::keys);
   return Error{ErrorCode::unknown_output,
                "the extension '" + extension + "' of " + path.filename().string() + " is none of " + known};
 }

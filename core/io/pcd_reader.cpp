@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/text.hpp"
 #include "io/formats.hpp"
 #include "io/lzf.hpp"
 #include "io/ply_ascii.hpp"

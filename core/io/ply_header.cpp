@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/text.hpp"
 #include "io/text.hpp"
 #include "io/text_lines.hpp"
 

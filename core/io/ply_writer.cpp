@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <string>
 
+#include "base/text.hpp"
 #include "io/formats.hpp"
 #include "io/scalars.hpp"
 
@@ -53,9 +54,7 @@ class PlyWriter {
   }
 
   static std::string property_of(const std::string& attribute) {
-    std::string name = attribute.substr(attribute.starts_with('_') ? 1 : 0);
-    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return name;
+    return in_lower_case(attribute.substr(attribute.starts_with('_') ? 1 : 0));
   }
 
   std::size_t row_size() const {

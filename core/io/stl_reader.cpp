@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/text.hpp"
 #include "io/formats.hpp"
 #include "io/ply_ascii.hpp"
 #include "io/scalars.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/text.hpp"
 #include "io/scalars.hpp"
 #include "io/text.hpp"
 #include "io/text_lines.hpp"

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/text.hpp"
 #include "io/text_lines.hpp"
 
 namespace surfaced::io {

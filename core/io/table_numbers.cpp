@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "base/text.hpp"
 #include "io/ply_ascii.hpp"
 #include "io/text_lines.hpp"
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/text.hpp"
 #include "io/table_guess.hpp"
 #include "io/table_names.hpp"
 #include "io/table_numbers.hpp"

@@ -53,13 +53,6 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-std::string in_lower_case(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return lower;
-}
-
 Error TextLines::error(ErrorCode code, const std::string& what) const {
   return {code, std::string(name_) + ": line " + std::to_string(number_) + ": " + what};
 }

@@ -75,7 +75,4 @@ std::string_view take_word(std::string_view& text);
 
 std::string_view trimmed(std::string_view text);
 
-/// ASCII letters as small ones.
-std::string in_lower_case(std::string_view text);
-
 }  // namespace surfaced::io

@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/text.hpp"
 #include "io/scalars.hpp"
 #include "io/text.hpp"
 #include "io/text_lines.hpp"

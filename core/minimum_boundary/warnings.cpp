@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/text.hpp"
 #include "minimum_boundary/doubt.hpp"
 #include "minimum_boundary/solid_angles.hpp"
 
@@ -19,8 +20,6 @@ constexpr std::int64_t kFewHandles = 10;
 constexpr double kUndersampled = 0.4;
 /// Share of the points that may lie inside without a word.
 constexpr double kFewInside = 0.005;
-
-std::string percent(double share) { return std::to_string(std::llround(100 * share)) + " %"; }
 
 void doubt_components(const MinimumBoundaryStatistics& s, const MinimumBoundaryParameters& parameters,
                       std::vector<std::string>& warnings) {

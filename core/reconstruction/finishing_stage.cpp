@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "base/text.hpp"
 #include "quality/quality.hpp"
 #include "reconstruction/preparing_stage.hpp"
 #include "reconstruction/words.hpp"
@@ -157,18 +158,13 @@ std::optional<double> thinnest_wall(const Json& parameters, std::optional<MeshFo
   return std::nullopt;
 }
 
-std::string percent(double share) {
-  const auto tenths = std::lround(1000 * share);
-  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " %";
-}
-
 Json walls_json(const TriangleMesh& mesh, double limit, const Json& unit, std::vector<std::string>& warnings) {
   const std::vector<double> walls = wall_thicknesses(mesh, kWallSamples);
   if (walls.empty()) return nullptr;
   const auto thinner = static_cast<std::size_t>(std::ranges::lower_bound(walls, limit) - walls.begin());
   const double share = static_cast<double>(thinner) / static_cast<double>(walls.size());
   if (share > kThinShareToWarn) {
-    warnings.push_back(percent(share) + " of the surface lies on walls thinner than " + briefly(limit) + " " +
+    warnings.push_back(percent(share, 1) + " of the surface lies on walls thinner than " + briefly(limit) + " " +
                        unit.get<std::string>() + ", the thinnest measured " + briefly(walls.front()) + " " +
                        unit.get<std::string>());
   }

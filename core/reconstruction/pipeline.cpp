@@ -178,7 +178,7 @@ Result<Json> reconstruct_unguarded(const FileRequest& request, Context& context)
     context.enter("write", 1);
     if (Status written = write_file(request.points, points); !written) return std::move(written).error();
   }
-  Result<std::string> digest = sha256_of_file(request.cloud);
+  Result<std::string> digest = request.cloud_sha256.empty() ? digest_of(request.cloud) : request.cloud_sha256;
   if (!digest) return std::move(digest).error();
   (*report)["provenance"]["input_sha256"] = *digest;
   add_run(*report, context);

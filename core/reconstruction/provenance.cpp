@@ -1,38 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "reconstruction/provenance.hpp"
 
-#include <openssl/evp.h>
+#include <fcntl.h>
 #include <sys/resource.h>
 
-#include <array>
-#include <fstream>
-#include <memory>
+#include "base/sha256.hpp"
+#include "base/unique_fd.hpp"
 
 namespace surfaced {
 
 std::string_view version() { return SURFACED_VERSION; }
 
-Result<std::string> sha256_of_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
+Result<std::string> digest_of(const std::filesystem::path& path) {
+  const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!file) return Error{ErrorCode::input_unreadable, "cannot open " + path.string()};
-  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> digest(EVP_MD_CTX_new(), EVP_MD_CTX_free);
-  EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr);
-  std::vector<char> buffer(1 << 20);
-  while (file) {
-    file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-    EVP_DigestUpdate(digest.get(), buffer.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  if (file.bad()) return Error{ErrorCode::input_unreadable, "reading " + path.string() + " failed"};
-  std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
-  unsigned int length = 0;
-  EVP_DigestFinal_ex(digest.get(), bytes.data(), &length);
-  constexpr std::string_view kHex = "0123456789abcdef";
-  std::string text;
-  for (unsigned int i = 0; i < length; ++i) {
-    text += kHex[bytes[i] >> 4U];
-    text += kHex[bytes[i] & 15U];
-  }
-  return text;
+  auto digest = sha256_of_file(file.get());
+  if (!digest) return Error{ErrorCode::input_unreadable, "reading " + path.string() + " failed"};
+  return std::move(*digest);
 }
 
 Resources resources_used() {

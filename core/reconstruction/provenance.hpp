@@ -11,7 +11,7 @@
 namespace surfaced {
 
 /// Lower-case hexadecimal SHA-256 of a file.
-Result<std::string> sha256_of_file(const std::filesystem::path& path);
+Result<std::string> digest_of(const std::filesystem::path& path);
 
 /// What this process has used so far.
 struct Resources {

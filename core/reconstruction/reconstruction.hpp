@@ -121,6 +121,8 @@ struct FileRequest {
   ReadLimits limits = {};
   /// What messages call the cloud; empty: its file name.
   std::string cloud_name = {};
+  /// SHA-256 of the cloud's file, for who has it; empty: the file is read once more for it.
+  std::string cloud_sha256 = {};
   /// Where the method's cloud goes, as PLY; empty: nowhere.
   std::filesystem::path points = {};
   /// The same mesh in further formats: each is encoded from the mesh in memory, not from the first file.

@@ -6,13 +6,14 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/sha256.hpp"
+#include "base/text.hpp"
 #include "io/io.hpp"
 #include "platform/clock.hpp"
 #include "platform/digest.hpp"
 #include "platform/files.hpp"
 #include "platform/lists.hpp"
 #include "platform/random.hpp"
-#include "platform/sha256.hpp"
 
 namespace surfaced {
 namespace {
@@ -41,9 +42,7 @@ Json key_json(const Key& key) {
 }
 
 Result<Key> key_in(const Json& json) {
-  std::string list;
-  for (const Json& scope : json.at("scopes")) list += (list.empty() ? "" : ",") + scope.get<std::string>();
-  const auto scopes = scopes_named(list);
+  const auto scopes = scopes_named(joined(json.at("scopes").get<std::vector<std::string>>(), ","));
   if (!scopes) return scopes.error();
   return Key{
       json.at("id").get<std::string>(),

@@ -15,7 +15,7 @@ using http::Response;
 constexpr std::chrono::milliseconds kLookAtLog{2'000};
 
 Response get_events(const Request& request, JobService& service, JobLooks& looks,
-                    const std::shared_ptr<http::Places>& places) {
+                    const std::shared_ptr<http::Permits>& permits) {
   const std::string& id = request.path_parts.at("id");
   const auto job = service.find(id);
   if (!job) return problem_response(job.error(), request);
@@ -28,17 +28,17 @@ Response get_events(const Request& request, JobService& service, JobLooks& looks
     response.status = 204;
     return response;
   }
-  const auto seat = take_seat(request, places);
-  if (!seat) return problem_response(seat.error(), request);
+  const auto permit = acquire_permit(request, permits);
+  if (!permit) return problem_response(permit.error(), request);
   response.headers.add("X-Accel-Buffering", "no");
   response.content_type = "text/event-stream";
   const auto look = looks.at(id);
   auto stream = std::make_shared<EventStream>(look, id, position);
-  auto feed = std::make_shared<http::Feed>();
-  feed->interval = kLookAtLog;
-  feed->subscribe = [&service, id](std::function<void()> wake) { return service.watch(id, std::move(wake)); };
-  feed->next = [stream, seat = *seat](bool /*last*/) { return stream->next(); };
-  response.feed = std::move(feed);
+  auto streaming = std::make_shared<http::StreamingResponse>();
+  streaming->interval = kLookAtLog;
+  streaming->subscribe = [&service, id](std::function<void()> wake) { return service.watch(id, std::move(wake)); };
+  streaming->next = [stream, permit = *permit](bool /*last*/) { return stream->next(); };
+  response.streaming = std::move(streaming);
   return response;
 }
 

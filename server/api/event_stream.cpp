@@ -103,10 +103,10 @@ void EventStream::add_progress(std::string& bytes, const Job& job) {
 
 bool EventStream::add_log(std::string& bytes, const Job& job) {
   if (job.attempt == 0) return true;
-  const auto piece = look_->log(job, position_.log);
-  std::string_view text = *piece;
+  const auto chunk = look_->log(job, position_.log);
+  std::string_view text = *chunk;
   const bool full = text.size() == JobLook::kLogPiece;
-  // A line that is not complete yet waits for its end; one that is longer than a piece is cut.
+  // A line that is not complete yet waits for its end; one that is longer than a chunk is cut.
   const std::size_t end = text.rfind('\n');
   if (!ended(job.status) || full) text = text.substr(0, end == text.npos ? (full ? text.size() : 0) : end + 1);
   if (text.empty()) return true;
@@ -121,31 +121,31 @@ bool EventStream::add_log(std::string& bytes, const Job& job) {
   return !full;
 }
 
-http::Feed::Piece EventStream::next() {
-  http::Feed::Piece piece;
+http::StreamingResponse::Chunk EventStream::next() {
+  http::StreamingResponse::Chunk chunk;
   const auto seen = look_->get();
   const Result<Job>& job = *seen;
   if (!job) {
     // Removed while somebody watched: the reason is all there is to say.
     position_.state = kDone;
-    add(piece.bytes, kDone, http::problem_json(job.error(), job_path(job_), ""));
-    piece.end = true;
-    return piece;
+    add(chunk.bytes, kDone, http::problem_json(job.error(), job_path(job_), ""));
+    chunk.end = true;
+    return chunk;
   }
-  add_state(piece.bytes, *job);
-  add_progress(piece.bytes, *job);
-  const bool log_is_out = add_log(piece.bytes, *job);
-  piece.more = !log_is_out;
+  add_state(chunk.bytes, *job);
+  add_progress(chunk.bytes, *job);
+  const bool log_is_out = add_log(chunk.bytes, *job);
+  chunk.more = !log_is_out;
   if (log_is_out && ended(job->status)) {
     position_.state = kDone;
-    add(piece.bytes, kDone, job_json(*job));
-    piece.end = true;
+    add(chunk.bytes, kDone, job_json(*job));
+    chunk.end = true;
   }
   // A running job wakes its streams far more often than there is something to tell.
   const auto time = std::chrono::steady_clock::now();
-  if (piece.bytes.empty() && time - told_ > kLongestSilence) piece.bytes = ": still here\n\n";
-  if (!piece.bytes.empty()) told_ = time;
-  return piece;
+  if (chunk.bytes.empty() && time - told_ > kLongestSilence) chunk.bytes = ": still here\n\n";
+  if (!chunk.bytes.empty()) told_ = time;
+  return chunk;
 }
 
 }  // namespace surfaced::api

@@ -76,7 +76,7 @@ class EventStream {
   EventStream(std::shared_ptr<JobLook> look, std::string job, EventPosition position)
       : look_(std::move(look)), job_(std::move(job)), position_(std::move(position)) {}
 
-  http::Feed::Piece next();
+  http::StreamingResponse::Chunk next();
 
  private:
   void add(std::string& bytes, std::string_view event, const nlohmann::ordered_json& data) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "api/outputs.hpp"
+#include "base/text.hpp"
 #include "http/multipart.hpp"
 #include "http/problem.hpp"
 #include "http/request_head.hpp"
@@ -42,10 +43,10 @@ Status check_present(const Request& request) {
 }
 
 /// Where the mesh is the answer and the query does not name its format, the Accept header does.
-Status add_accepted(http::Query& query, const Request& request, Door door) {
+Status add_accepted(http::Query& query, const Request& request, Endpoint endpoint) {
   const auto accept = request.headers.find("Accept");
   const auto named = [](const auto& pair) { return pair.first == "output"; };
-  if (door != Door::reconstruct || !accept || std::ranges::any_of(query, named)) return Done{};
+  if (endpoint != Endpoint::reconstruct || !accept || std::ranges::any_of(query, named)) return Done{};
   const auto mesh = negotiate_mesh(accept, {});
   if (!mesh) return mesh.error();
   query.emplace_back("output", mesh->substr(mesh->find('.') + 1));
@@ -91,7 +92,7 @@ class Form {
   }
 
   /// What was read, together with the query.
-  Result<Intake> intake(const Request& request, Door door, const SubmissionRules& rules) && {
+  Result<Intake> intake(const Request& request, Endpoint endpoint, const SubmissionRules& rules) && {
     http::Query query = request.query;
     std::string cloud_id;
     for (auto& [name, value] : fields_) {
@@ -113,8 +114,8 @@ class Form {
       return http::missing_value(ErrorCode::invalid_request, "cloud", "a file 'cloud', or a field 'cloud_id'");
     }
     if (cloud_ && cloud_->bytes() == 0) return Error{ErrorCode::empty_input, "the file 'cloud' has 0 bytes"};
-    if (Status accepted = add_accepted(query, request, door); !accepted.ok()) return accepted.error();
-    auto submission = read_submission(query, door, rules);
+    if (Status accepted = add_accepted(query, request, endpoint); !accepted.ok()) return accepted.error();
+    auto submission = read_submission(query, endpoint, rules);
     if (!submission) return std::move(submission).error();
     submission->cloud_id = std::move(cloud_id);
     return Intake{std::move(*submission), std::move(cloud_)};
@@ -128,7 +129,7 @@ class Form {
   bool in_cloud_ = false;
 };
 
-Result<Intake> take_in_form(Request& request, Door door, const SubmissionRules& rules, JobService& service) {
+Result<Intake> take_in_form(Request& request, Endpoint endpoint, const SubmissionRules& rules, JobService& service) {
   const auto boundary = http::multipart_boundary(request.headers.find("Content-Type").value_or(""));
   if (!boundary) return boundary.error();
   if (Status there = check_present(request); !there.ok()) return there.error();
@@ -139,7 +140,7 @@ Result<Intake> take_in_form(Request& request, Door door, const SubmissionRules& 
   const Status read = request.body->read([&](std::span<const std::byte> bytes) { return reader.feed(bytes); });
   if (!read) return read.error();
   if (Status whole = reader.finish(); !whole.ok()) return whole.error();
-  return std::move(form).intake(request, door, rules);
+  return std::move(form).intake(request, endpoint, rules);
 }
 
 Result<Intake> take_in_json(Request& request, const SubmissionRules& rules) {
@@ -165,9 +166,7 @@ std::string content_type_of(const Request& request) {
   const std::string_view type = request.headers.find("Content-Type").value_or("");
   std::string essence(type.substr(0, type.find(';')));
   while (essence.ends_with(' ')) essence.pop_back();
-  std::ranges::transform(essence, essence.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return essence;
+  return in_lower_case(essence);
 }
 
 Result<Json> receive_json(Request& request, std::size_t most_bytes) {
@@ -197,20 +196,20 @@ Result<std::unique_ptr<Upload>> receive_raw(Request& request, JobService& servic
   return upload;
 }
 
-Result<Intake> take_in(Request& request, Door door, const SubmissionRules& rules, JobService& service) {
+Result<Intake> take_in(Request& request, Endpoint endpoint, const SubmissionRules& rules, JobService& service) {
   const std::string type = content_type_of(request);
   if (type == "multipart/form-data") {
     if (Status plain = check_encoding(request); !plain.ok()) return plain.error();
-    return take_in_form(request, door, rules, service);
+    return take_in_form(request, endpoint, rules, service);
   }
   if (type == "application/json" || type.ends_with("+json")) {
-    if (door == Door::jobs) return take_in_json(request, rules);
+    if (endpoint == Endpoint::jobs) return take_in_json(request, rules);
     return http::wrong_value(ErrorCode::unsupported_media_type, "Content-Type", type,
                              "application/octet-stream for the raw bytes of a cloud, or multipart/form-data");
   }
   http::Query query = request.query;
-  if (Status accepted = add_accepted(query, request, door); !accepted.ok()) return accepted.error();
-  auto submission = read_submission(query, door, rules);
+  if (Status accepted = add_accepted(query, request, endpoint); !accepted.ok()) return accepted.error();
+  auto submission = read_submission(query, endpoint, rules);
   if (!submission) return std::move(submission).error();
   auto cloud = receive_raw(request, service);
   if (!cloud) return std::move(cloud).error();

@@ -19,10 +19,10 @@ struct Intake {
 
 /// Reads a submission in any of the forms it may have: the raw bytes of a cloud with everything else in the query;
 /// multipart/form-data with a file `cloud` and a field for every name of the query (or `cloud_id` in place of the
-/// file); with Door::jobs also JSON. What stands in the query is checked before a byte of the body is read.
+/// file); with Endpoint::jobs also JSON. What stands in the query is checked before a byte of the body is read.
 /// @return  conflicting_input, unsupported_content_encoding, length_required, empty_input, payload_too_large, what
 ///          read_submission, JobService::begin_upload and reading the body say.
-Result<Intake> take_in(http::Request& request, Door door, const SubmissionRules& rules, JobService& service);
+Result<Intake> take_in(http::Request& request, Endpoint endpoint, const SubmissionRules& rules, JobService& service);
 
 /// Stores the raw body; unsupported_content_encoding, length_required, empty_input, and what reading says.
 Result<std::unique_ptr<Upload>> receive_raw(http::Request& request, JobService& service);

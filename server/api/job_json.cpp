@@ -2,9 +2,9 @@
 #include "api/job_json.hpp"
 
 #include "api/outputs.hpp"
+#include "base/sha256.hpp"
 #include "http/problem.hpp"
 #include "platform/files.hpp"
-#include "platform/sha256.hpp"
 
 namespace surfaced::api {
 namespace {

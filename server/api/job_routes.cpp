@@ -32,7 +32,7 @@ Response job_response(const Request& request, const Job& job) {
   return response;
 }
 
-Response get_job(const Request& request, JobService& service, const std::shared_ptr<http::Places>& waits) {
+Response get_job(const Request& request, JobService& service, const std::shared_ptr<http::Permits>& waits) {
   const auto wait = single(request.query, "wait");
   if (!wait) return problem_response(wait.error(), request);
   double seconds = 0;
@@ -51,9 +51,9 @@ Response get_job(const Request& request, JobService& service, const std::shared_
   if (!job) return problem_response(job.error(), request);
   if (time.count() == 0 || enough(*job)) return job_response(request, *job);
   // Answered without a wait, a client that polls would ask again at once, and again.
-  auto seat = take_seat(request, waits);
-  if (!seat) return problem_response(seat.error(), request);
-  return when_enough(request, job->id, time, service, enough, job_response, std::move(*seat));
+  auto permit = acquire_permit(request, waits);
+  if (!permit) return problem_response(permit.error(), request);
+  return when_enough(request, job->id, time, service, enough, job_response, std::move(*permit));
 }
 
 Response delete_job(const Request& request, JobService& service) {

@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "api/outputs.hpp"
+#include "base/sha256.hpp"
 #include "platform/files.hpp"
 #include "platform/random.hpp"
-#include "platform/sha256.hpp"
 
 namespace surfaced::api {
 namespace {
@@ -33,14 +33,14 @@ KeysInFlight::Turn::~Turn() {
   keys_->held_.erase(entry_);
 }
 
-Result<KeysInFlight::Turn> KeysInFlight::take(const RequestMark& mark) {
-  if (mark.idempotency_key.empty()) return Turn();
-  std::string entry = mark.caller.id + "\n" + mark.idempotency_key;
+Result<KeysInFlight::Turn> KeysInFlight::take(const RequestContext& context) {
+  if (context.idempotency_key.empty()) return Turn();
+  std::string entry = context.caller.id + "\n" + context.idempotency_key;
   const std::scoped_lock lock(mutex_);
   if (held_.insert(entry).second) return Turn(*this, std::move(entry));
   return with_fault({ErrorCode::request_in_flight,
-                     "another request with the Idempotency-Key '" + mark.idempotency_key + "' has no answer yet"},
-                    {"Idempotency-Key", mark.idempotency_key, "the same request, once the first has its answer"});
+                     "another request with the Idempotency-Key '" + context.idempotency_key + "' has no answer yet"},
+                    {"Idempotency-Key", context.idempotency_key, "the same request, once the first has its answer"});
 }
 
 JobService::JobService(JobStore& jobs, ArtifactStore& artifacts, CloudService& clouds, Renditions& renditions,
@@ -62,31 +62,31 @@ Result<std::unique_ptr<Upload>> JobService::begin_upload(const http::Caller& cal
 }
 
 Result<JobService::Submitted> JobService::submit(const Submission& submission, std::unique_ptr<Upload> cloud,
-                                                 const RequestMark& mark) {
+                                                 const RequestContext& context) {
   const std::string fingerprint = fingerprint_of(submission, cloud ? cloud->sha256() : submission.cloud_id);
-  auto before = made_before(mark, fingerprint);
+  auto before = made_before(context, fingerprint);
   if (!before) return std::move(before).error();
   if (before->has_value()) return Submitted{std::move(**before), true};
   if (draining_) return Error{ErrorCode::not_ready, "the server is stopping"};
   if (Status room = jobs_.check_room(); !room.ok()) return room.error();
   const std::string id = random_hex<16>();
-  const auto input = input_of(submission, cloud.get(), mark.caller, id);
+  const auto input = input_of(submission, cloud.get(), context.caller, id);
   if (!input) return input.error();
   const NewJob job{id,
                    submission.method,
                    submission.parameters,
                    *input,
                    submission.outputs,
-                   mark.request_id,
-                   mark.traceparent,
+                   context.request_id,
+                   context.traceparent,
                    submission.ttl,
-                   mark.caller.id,
+                   context.caller.id,
                    submission.labels,
                    submission.webhook,
-                   mark.idempotency_key,
+                   context.idempotency_key,
                    fingerprint,
                    submission.presentation};
-  auto stored = jobs_.submit(job, allowance_of(mark.caller));
+  auto stored = jobs_.submit(job, allowance_of(context.caller));
   if (stored) {
     scheduler_.wake();
     return Submitted{std::move(*stored), false};
@@ -107,16 +107,16 @@ Result<StoredInput> JobService::input_of(const Submission& submission, Upload* c
   return StoredInput{stored->id, stored->bytes, stored->id};
 }
 
-Result<std::optional<Job>> JobService::made_before(const RequestMark& mark, const std::string& fingerprint) {
-  if (mark.idempotency_key.empty()) return std::optional<Job>();
-  const auto replay = jobs_.replay(mark.caller.id, mark.idempotency_key);
+Result<std::optional<Job>> JobService::made_before(const RequestContext& context, const std::string& fingerprint) {
+  if (context.idempotency_key.empty()) return std::optional<Job>();
+  const auto replay = jobs_.replay(context.caller.id, context.idempotency_key);
   if (!replay) return replay.error();
   if (!replay->has_value()) return std::optional<Job>();
   if ((*replay)->fingerprint != fingerprint) {
     return with_fault(
-        {ErrorCode::idempotency_mismatch, "the Idempotency-Key '" + mark.idempotency_key + "' has made the job " +
+        {ErrorCode::idempotency_mismatch, "the Idempotency-Key '" + context.idempotency_key + "' has made the job " +
                                               (*replay)->job + " from another cloud or with other parameters"},
-        {"Idempotency-Key", mark.idempotency_key, "a key that was not used, or the same request again"});
+        {"Idempotency-Key", context.idempotency_key, "a key that was not used, or the same request again"});
   }
   auto job = jobs_.find((*replay)->job);
   if (!job) return std::move(job).error();

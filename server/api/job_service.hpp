@@ -25,7 +25,7 @@
 namespace surfaced::api {
 
 /// Who asks, and by what his job is found again in logs and traces.
-struct RequestMark {
+struct RequestContext {
   std::string request_id;
   std::string traceparent;
   http::Caller caller;
@@ -51,28 +51,28 @@ class KeysInFlight {
     KeysInFlight* keys_ = nullptr;
     std::string entry_;
   };
-  Result<Turn> take(const RequestMark& mark);
+  Result<Turn> take(const RequestContext& context);
 
  private:
   std::mutex mutex_;
   std::set<std::string> held_;
 };
 
-/// What the doors of the service do with jobs: take one in, wait for one, end one. Knows stores and
+/// What the endpoints of the service do with jobs: take one in, wait for one, end one. Knows stores and
 /// scheduler, not how answers look.
 class JobService {
  public:
   JobService(JobStore& jobs, ArtifactStore& artifacts, CloudService& clouds, Renditions& renditions, JobEvents& events,
              Scheduler& scheduler);
 
-  /// A place for a cloud on its way in; storage_full, not_ready, quota_exceeded.
+  /// Room for a cloud on its way in; storage_full, not_ready, quota_exceeded.
   /// @param needed  bytes that are known to come
   Result<std::unique_ptr<Upload>> begin_upload(const http::Caller& caller, std::uint64_t needed = 0);
 
   Status check_space(std::uint64_t needed) { return artifacts_.check_space(needed); }
 
   /// Holds the request's idempotency key until the answer is known; request_in_flight if another request holds it.
-  Result<KeysInFlight::Turn> take_turn(const RequestMark& mark) { return keys_.take(mark); }
+  Result<KeysInFlight::Turn> take_turn(const RequestContext& context) { return keys_.take(context); }
 
   struct Submitted {
     Job job;
@@ -82,7 +82,7 @@ class JobService {
   /// Queues a job; durable when the call returns.
   /// @param cloud  what the request brought; none if the submission names a stored cloud
   /// @return  queue_full, storage_full, quota_exceeded, cloud_not_found, idempotency_mismatch.
-  Result<Submitted> submit(const Submission& submission, std::unique_ptr<Upload> cloud, const RequestMark& mark);
+  Result<Submitted> submit(const Submission& submission, std::unique_ptr<Upload> cloud, const RequestContext& context);
 
   Result<Job> find(std::string_view id) { return jobs_.find(id); }
 
@@ -127,7 +127,7 @@ class JobService {
   Result<StoredInput> input_of(const Submission& submission, Upload* cloud, const http::Caller& caller,
                                std::string_view job);
   /// The job that the key has made before, if it has.
-  Result<std::optional<Job>> made_before(const RequestMark& mark, const std::string& fingerprint);
+  Result<std::optional<Job>> made_before(const RequestContext& context, const std::string& fingerprint);
 
   JobStore& jobs_;
   ArtifactStore& artifacts_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // OGC API - Processes, Part 1: Core (OGC 18-062r2) as JSON. The methods are its processes, and the jobs are the jobs
-// of /v1/jobs, seen through another door.
+// of /v1/jobs, seen through another endpoint.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -35,7 +35,7 @@ struct Presentation {
   std::vector<Wanted> outputs{{"mesh", true}, {"report", true}};
 };
 std::string text_of(const Presentation& presentation);
-/// What the job's request wanted; links to mesh and report if it came through another door.
+/// What the job's request wanted; links to mesh and report if it came through another endpoint.
 Presentation presentation_of(const Job& job);
 /// Name of the job's output that the process calls mesh or report.
 std::string output_name(const Job& job, std::string_view output);

@@ -78,7 +78,7 @@ Result<BodyStream> multipart(const Job& job, const std::vector<Wanted>& outputs,
     std::ranges::move(*parts, std::back_inserter(all));
   }
   all.push_back(http::body_of("--" + boundary_of(job) + "--\r\n"));
-  return http::joined(std::move(all));
+  return http::concatenated(std::move(all));
 }
 
 Result<BodyStream> document(const Job& job, const std::vector<Wanted>& outputs, JobService& service) {
@@ -90,7 +90,7 @@ Result<BodyStream> document(const Job& job, const std::vector<Wanted>& outputs, 
     std::ranges::move(*members, std::back_inserter(all));
   }
   all.push_back(http::body_of("}"));
-  return http::joined(std::move(all));
+  return http::concatenated(std::move(all));
 }
 
 }  // namespace

@@ -3,11 +3,11 @@
 
 #include "api/intake.hpp"
 #include "api/job_json.hpp"
-#include "api/mark.hpp"
 #include "api/ogc_json.hpp"
 #include "api/ogc_results.hpp"
 #include "api/outputs.hpp"
 #include "api/paging.hpp"
+#include "api/request_context.hpp"
 #include "api/routes.hpp"
 #include "api/waiting.hpp"
 #include "http/assembly.hpp"
@@ -104,33 +104,33 @@ std::optional<Error> no_results(const Job& job) {
   return Error{ErrorCode::job_not_successful, "job " + job.id + " is " + std::string(name_of(job.status))};
 }
 
-Result<JobService::Submitted> submit(const ogc::Execution& execution, const RequestMark& mark, JobService& service,
-                                     const RouteOptions& options) {
+Result<JobService::Submitted> submit(const ogc::Execution& execution, const RequestContext& context,
+                                     JobService& service, const RouteOptions& options) {
   auto submission = read_submission(execution.submission, options.rules);
   if (!submission) return std::move(submission).error();
   submission->presentation = ogc::text_of(execution.presentation);
   std::unique_ptr<Upload> cloud;
   if (!execution.cloud.empty()) {
-    auto upload = service.begin_upload(mark.caller, execution.cloud.size());
+    auto upload = service.begin_upload(context.caller, execution.cloud.size());
     if (!upload) return std::move(upload).error();
     cloud = std::move(*upload);
     if (Status written = cloud->write(as_bytes(execution.cloud)); !written.ok()) return written.error();
   }
-  return service.submit(*submission, std::move(cloud), mark);
+  return service.submit(*submission, std::move(cloud), context);
 }
 
 Response execute(Request& request, JobService& service, const RouteOptions& options) {
   const auto method = method_of(request);
   if (!method) return ogc::problem(method.error(), request);
-  const auto mark = mark_of(request);
-  if (!mark) return ogc::problem(mark.error(), request);
-  const auto turn = service.take_turn(*mark);
+  const auto context = context_of(request);
+  if (!context) return ogc::problem(context.error(), request);
+  const auto turn = service.take_turn(*context);
   if (!turn) return ogc::problem(turn.error(), request);
   const auto body = receive_json(request, kMaxExecution);
   if (!body) return ogc::problem(body.error(), request);
   const auto execution = ogc::read_execution(*body, **method);
   if (!execution) return ogc::problem(execution.error(), request);
-  const auto submitted = submit(*execution, *mark, service, options);
+  const auto submitted = submit(*execution, *context, service, options);
   if (!submitted) return ogc::problem(submitted.error(), request);
   const Preference preference = preference_of(request);
   if (preference.async && !preference.wait) {
@@ -138,11 +138,11 @@ Response execute(Request& request, JobService& service, const RouteOptions& opti
     response.headers.add("Preference-Applied", "respond-async");
     return response;
   }
-  // Without a place to wait the job goes on all the same.
-  auto seat = take_seat(request, options.waits);
+  // Without a permit to wait the job goes on all the same.
+  auto permit = acquire_permit(request, options.waits);
   const std::chrono::milliseconds wait =
-      seat ? preference.wait.value_or(std::chrono::duration_cast<std::chrono::seconds>(options.reconstruct_wait))
-           : std::chrono::seconds(0);
+      permit ? preference.wait.value_or(std::chrono::duration_cast<std::chrono::seconds>(options.reconstruct_wait))
+             : std::chrono::seconds(0);
   return when_enough(
       request, submitted->job.id, wait, service, [](const Job& job) { return ended(job.status); },
       [&service](const Request& asked, const Job& job) {
@@ -150,7 +150,7 @@ Response execute(Request& request, JobService& service, const RouteOptions& opti
         if (const auto error = no_results(job)) return ogc::problem(*error, asked);
         return ogc::results(asked, job, service);
       },
-      seat ? std::move(*seat) : nullptr);
+      permit ? std::move(*permit) : nullptr);
 }
 
 Response list_ogc_jobs(const Request& request, JobService& service) {

@@ -3,11 +3,13 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <ranges>
 
 #include "api/job_json.hpp"
 #include "api/outputs.hpp"
 #include "api/routes.hpp"
 #include "api/waiting.hpp"
+#include "base/text.hpp"
 #include "http/conditional.hpp"
 #include "http/problem.hpp"
 
@@ -36,10 +38,9 @@ Result<std::optional<Output>> find_output(const Job& job, const std::string& nam
   if (!ended(job.status)) return Error{ErrorCode::not_finished, subject + " and has no " + name + " yet"};
   if (job.status != JobStatus::successful) return Error{ErrorCode::job_not_successful, subject + " and has no " + name};
   if (is_mesh(name)) return std::optional<Output>();
-  std::string made;
-  for (const Output& output : job.outputs) {
-    if (!media_type_of(output.name).empty()) made += (made.empty() ? "" : ", ") + output.name;
-  }
+  const std::string made =
+      joined(job.outputs | std::views::transform(&Output::name) |
+             std::views::filter([](const std::string& each) { return !media_type_of(each).empty(); }));
   return with_fault({ErrorCode::output_not_found, "job " + job.id + " has no " + name + "; it made " + made},
                     {"name", name, "one of " + made});
 }
@@ -69,18 +70,21 @@ Response output_response(const Request& request, const Job& job, const std::stri
 
 /// The answer once the mesh is made in this format.
 Response when_made(const Request& request, const Job& job, const std::string& name, JobService& service,
-                   const std::shared_ptr<http::Places>& waits) {
-  const auto seat = take_seat(request, waits);
-  if (!seat) return problem_response(seat.error(), request);
+                   const std::shared_ptr<http::Permits>& waits) {
+  const auto permit = acquire_permit(request, waits);
+  if (!permit) return problem_response(permit.error(), request);
   const auto ordered = service.order_output(job, name);
   if (!ordered) return problem_response(ordered.error(), request);
   const auto order = *ordered;
   Request asked = request;
   asked.body = nullptr;
-  auto later = std::make_shared<http::Later>();
-  later->deadline = std::chrono::steady_clock::now() + kPatience;
-  later->subscribe = [&service, order](std::function<void()> wake) { return service.watch(*order, std::move(wake)); };
-  later->look = [&service, order, job, asked = std::move(asked), seat = *seat](bool last) -> std::optional<Response> {
+  auto deferred = std::make_shared<http::DeferredResponse>();
+  deferred->deadline = std::chrono::steady_clock::now() + kPatience;
+  deferred->subscribe = [&service, order](std::function<void()> wake) {
+    return service.watch(*order, std::move(wake));
+  };
+  deferred->poll = [&service, order, job, asked = std::move(asked),
+                    permit = *permit](bool last) -> std::optional<Response> {
     const auto made = service.made(*order);
     if (made && *made) return output_response(asked, job, order->name, **made, service);
     if (made) return problem_response(made->error(), asked);
@@ -88,11 +92,11 @@ Response when_made(const Request& request, const Job& job, const std::string& na
     return problem_response({ErrorCode::not_ready, order->name + " of job " + job.id + " is still being made"}, asked);
   };
   Response response;
-  response.later = std::move(later);
+  response.deferred = std::move(deferred);
   return response;
 }
 
-Response get_output(const Request& request, JobService& service, const std::shared_ptr<http::Places>& waits) {
+Response get_output(const Request& request, JobService& service, const std::shared_ptr<http::Permits>& waits) {
   const auto job = service.find(request.path_parts.at("id"));
   if (!job) return problem_response(job.error(), request);
   const auto name = wanted_name(request, *job);

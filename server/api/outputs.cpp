@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/text.hpp"
 #include "http/accept.hpp"
 #include "http/problem.hpp"
 
@@ -23,11 +24,7 @@ constexpr auto kOthers =
 /// The points of a method that makes some.
 constexpr OutputKind kPoints{"cloud.ply", "application/octet-stream", ""};
 
-std::string names_of(const auto& kinds) {
-  std::string names;
-  for (const OutputKind& kind : kinds) names += (names.empty() ? "" : ", ") + std::string(kind.name);
-  return names;
-}
+std::string names_of(const auto& kinds) { return joined(kinds, ", ", &OutputKind::name); }
 
 bool is_kind_among(const auto& kinds, std::string_view name) {
   return std::ranges::find(kinds, name, &OutputKind::name) != kinds.end();

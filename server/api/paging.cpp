@@ -7,6 +7,7 @@
 #include <span>
 
 #include "api/submission.hpp"
+#include "base/text.hpp"
 #include "http/problem.hpp"
 #include "http/request_head.hpp"
 
@@ -22,8 +23,7 @@ constexpr double kLongestOgcPage = 10'000;
 constexpr double kLongestDuration = 1e9;
 
 Status refuse_others(const Request& request, std::span<const std::string_view> names) {
-  std::string listed;
-  for (const std::string_view name : names) listed.append(listed.empty() ? "" : ", ").append(name);
+  const std::string listed = joined(names);
   for (const auto& [name, value] : request.query) {
     if (std::ranges::find(names, name) != names.end()) continue;
     return with_fault({ErrorCode::unknown_parameter, "'" + name + "' is not taken by this path; allowed are " + listed},
@@ -46,7 +46,7 @@ Status read_statuses(const Request& request, JobFilter& filter) {
   return Done{};
 }
 
-/// What both doors take, and the methods under their name.
+/// What both lists take, and the methods under their name.
 Result<JobFilter> read_filter(const Request& request, std::string_view methods_name) {
   JobFilter filter;
   filter.owner = request.caller.owner();

@@ -8,7 +8,7 @@
 
 #include "api/job_service.hpp"
 #include "api/submission.hpp"
-#include "http/places.hpp"
+#include "http/permits.hpp"
 #include "http/router.hpp"
 #include "uploads/finishing.hpp"
 #include "webhooks/delivery_store.hpp"
@@ -24,9 +24,9 @@ struct RouteOptions {
   /// How long a stored cloud is kept that nobody uses; zero for ever.
   std::chrono::seconds cloud_time{};
   /// Event streams at once; those of all jobs share them.
-  std::shared_ptr<http::Places> streams;
+  std::shared_ptr<http::Permits> streams;
   /// Requests at once that wait for a job or a mesh.
-  std::shared_ptr<http::Places> waits;
+  std::shared_ptr<http::Permits> waits;
   /// Text of /metrics.
   std::function<std::string()> metrics;
 };

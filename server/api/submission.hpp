@@ -39,13 +39,13 @@ struct Submission {
 };
 
 /// Which query names a path takes besides parameters of the method.
-enum class Door : std::uint8_t { reconstruct, jobs };
+enum class Endpoint : std::uint8_t { reconstruct, jobs };
 
 /// Reads the query of a submission, before a byte of its body is read. Reserved names are `method output outputs wait
 /// ttl_seconds labels webhook up quantization`; every other name is a parameter of the method, as are `up` and
 /// `quantization`.
 /// @return  unknown_method, unknown_parameter, invalid_parameter, unknown_output.
-Result<Submission> read_submission(const http::Query& query, Door door, const SubmissionRules& rules);
+Result<Submission> read_submission(const http::Query& query, Endpoint endpoint, const SubmissionRules& rules);
 
 /// Reads `{method, cloud_id, parameters, outputs, webhook, ttl_seconds, labels}`; every field but cloud_id may be
 /// absent.
@@ -63,5 +63,7 @@ Result<std::vector<std::string>> read_labels(std::string_view list);
 
 /// Cuts a list at its commas; empty entries are left out.
 std::vector<std::string> split_list(std::string_view list);
+/// The same, sorted, each once. Those far beyond the limit are not looked at: a list may have a mebibyte of them.
+std::vector<std::string> split_labels(std::string_view list);
 
 }  // namespace surfaced::api

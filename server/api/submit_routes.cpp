@@ -3,8 +3,8 @@
 
 #include "api/intake.hpp"
 #include "api/job_json.hpp"
-#include "api/mark.hpp"
 #include "api/outputs.hpp"
+#include "api/request_context.hpp"
 #include "api/routes.hpp"
 #include "api/waiting.hpp"
 #include "http/conditional.hpp"
@@ -17,14 +17,15 @@ using http::problem_response;
 using http::Request;
 using http::Response;
 
-Result<JobService::Submitted> submit(Request& request, Door door, JobService& service, const RouteOptions& options) {
-  const auto mark = mark_of(request);
-  if (!mark) return mark.error();
-  const auto turn = service.take_turn(*mark);
+Result<JobService::Submitted> submit(Request& request, Endpoint endpoint, JobService& service,
+                                     const RouteOptions& options) {
+  const auto context = context_of(request);
+  if (!context) return context.error();
+  const auto turn = service.take_turn(*context);
   if (!turn) return turn.error();
-  auto intake = take_in(request, door, options.rules, service);
+  auto intake = take_in(request, endpoint, options.rules, service);
   if (!intake) return std::move(intake).error();
-  return service.submit(intake->submission, std::move(intake->cloud), *mark);
+  return service.submit(intake->submission, std::move(intake->cloud), *context);
 }
 
 Response job_response(int status, const Job& job) {
@@ -68,19 +69,19 @@ Response reconstructed(const Request& request, const Job& job, JobService& servi
 }
 
 Response reconstruct(Request& request, JobService& service, const RouteOptions& options) {
-  const auto submitted = submit(request, Door::reconstruct, service, options);
+  const auto submitted = submit(request, Endpoint::reconstruct, service, options);
   if (!submitted) return problem_response(submitted.error(), request);
-  // Without a place to wait the job goes on all the same.
-  auto seat = take_seat(request, options.waits);
-  const auto wait = seat ? options.reconstruct_wait : std::chrono::milliseconds(0);
+  // Without a permit to wait the job goes on all the same.
+  auto permit = acquire_permit(request, options.waits);
+  const auto wait = permit ? options.reconstruct_wait : std::chrono::milliseconds(0);
   return when_enough(
       request, submitted->job.id, wait, service, [](const Job& job) { return ended(job.status); },
       [&service](const Request& asked, const Job& job) { return reconstructed(asked, job, service); },
-      seat ? std::move(*seat) : nullptr);
+      permit ? std::move(*permit) : nullptr);
 }
 
 Response create_job(Request& request, JobService& service, const RouteOptions& options) {
-  const auto submitted = submit(request, Door::jobs, service, options);
+  const auto submitted = submit(request, Endpoint::jobs, service, options);
   if (!submitted) return problem_response(submitted.error(), request);
   return job_response(submitted->replayed ? 200 : 201, submitted->job);
 }

@@ -22,7 +22,7 @@ constexpr const char* kPatchType = "application/offset+octet-stream";
 
 std::string upload_path(const std::string& id) { return "/v1/uploads/" + id; }
 
-/// The doors of tus 1.0 (https://tus.io/protocols/resumable-upload): thin functions around UploadStore.
+/// The endpoints of tus 1.0 (https://tus.io/protocols/resumable-upload): thin functions around UploadStore.
 class Uploads {
  public:
   Uploads(JobService& service, UploadFinishing& finishing, std::uint64_t most_bytes)

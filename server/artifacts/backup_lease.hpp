@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "base/base.hpp"
-#include "platform/unique_fd.hpp"
+#include "base/unique_fd.hpp"
 
 namespace surfaced {
 

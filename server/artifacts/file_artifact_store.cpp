@@ -13,9 +13,9 @@
 #include <system_error>
 
 #include "artifacts/backup_lease.hpp"
+#include "base/sha256.hpp"
 #include "platform/files.hpp"
 #include "platform/random.hpp"
-#include "platform/sha256.hpp"
 #include "platform/space.hpp"
 
 namespace surfaced {
@@ -102,7 +102,7 @@ Result<std::optional<Output>> seal(const fs::path& path, std::uint32_t attempt) 
   if (!fd) return fd.error();
   const auto size = file_size(fd->get());
   if (!size) return size.error();
-  auto sha = sha256_of_file(fd->get());
+  auto sha = digest_of(*fd);
   if (!sha) return sha.error();
   if (::fsync(fd->get()) != 0) return system_error("keep an output", errno);
   return std::optional(Output{path.filename().string(), attempt, *size, std::move(*sha)});

@@ -27,7 +27,7 @@
 #include <memory>
 
 #include "artifacts/artifact_store.hpp"
-#include "platform/unique_fd.hpp"
+#include "base/unique_fd.hpp"
 
 namespace surfaced {
 

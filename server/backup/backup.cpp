@@ -15,9 +15,9 @@
 
 #include "artifacts/backup_lease.hpp"
 #include "backup/records.hpp"
+#include "base/sha256.hpp"
 #include "platform/clock.hpp"
 #include "platform/files.hpp"
-#include "platform/sha256.hpp"
 #include "reconstruction/reconstruction.hpp"
 
 namespace surfaced {
@@ -120,7 +120,7 @@ Result<std::string> hash_of(const fs::path& folder, const RecordedFile& file, Da
                std::to_string(file.bytes));
     return std::string();
   }
-  return sha256_of_file(fd->get());
+  return digest_of(*fd);
 }
 
 using Hashes = std::map<std::string, std::string>;
@@ -161,7 +161,7 @@ BackupContents contents_of(const Recorded& recorded) {
 Result<std::string> hash_of_records(const fs::path& file) {
   const auto fd = open_regular(file);
   if (!fd) return fd.error();
-  return sha256_of_file(fd->get());
+  return digest_of(*fd);
 }
 
 /// Everything but the manifest, under the lease; the records have their unfinished name.

@@ -13,7 +13,7 @@
 
 namespace surfaced {
 
-/// What the doors of the service do with stored clouds: the file and its record come and go together.
+/// What the endpoints of the service do with stored clouds: the file and its record come and go together.
 class CloudService {
  public:
   CloudService(CloudStore& clouds, ArtifactStore& artifacts, CloudInspector& inspector)

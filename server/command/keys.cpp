@@ -2,7 +2,9 @@
 #include "access/keys.hpp"
 
 #include <iostream>
+#include <ranges>
 
+#include "base/text.hpp"
 #include "command/command.hpp"
 #include "command/problem.hpp"
 #include "config/units.hpp"
@@ -51,8 +53,7 @@ int remove_key(const KeyOptions& options) {
   auto ring = KeyRing::load(options.file);
   if (!ring) return report_problem(ring.error());
   if (!ring->remove(options.id)) {
-    std::string ids;
-    for (const auto& [id, key] : ring->all()) ids += (ids.empty() ? "" : ", ") + id;
+    const std::string ids = joined(std::views::keys(ring->all()));
     return report_problem(
         with_fault({ErrorCode::invalid_usage, "'" + options.file.string() + "' has no key '" + options.id + "'"},
                    {"ID", options.id, ids.empty() ? "none: the file has no keys" : "one of " + ids}),

@@ -4,6 +4,7 @@
 #include <memory>
 #include <sstream>
 
+#include "base/text.hpp"
 #include "command/command.hpp"
 #include "reconstruction/reconstruction.hpp"
 
@@ -26,10 +27,8 @@ std::string choices(const Json& schema) {
   std::string text;
   for (const char* list : {"oneOf", "enum"}) {
     if (!schema.contains(list)) continue;
-    for (const Json& each : schema.at(list)) {
-      text += (text.empty() ? "" : ", ") + (each.is_object() ? choices(each) : typed(each));
-    }
-    return text;
+    return joined(schema.at(list), ", ",
+                  [](const Json& each) { return each.is_object() ? choices(each) : typed(each); });
   }
   if (schema.at("type") == "boolean") return "true, false";
   if (schema.at("type") == "integer") text = "whole, ";

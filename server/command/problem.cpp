@@ -119,7 +119,7 @@ int report_problems(std::span<const Error> errors) {
   const Error& first = errors.front();
   if (errors.size() == 1) return report_problem(first);
   if (problem_format() == ProblemFormat::json) {
-    print_json({first.code, joined(errors)}, {});
+    print_json({first.code, details_of(errors)}, {});
   } else {
     for (const Error& each : errors) print_text(each, {});
   }

@@ -18,9 +18,9 @@
 #include "artifacts/orphans.hpp"
 #include "backup/backup.hpp"
 #include "command/command.hpp"
-#include "command/doors.hpp"
 #include "command/problem.hpp"
 #include "command/serve_options.hpp"
+#include "command/service_components.hpp"
 #include "execution/scheduler.hpp"
 #include "http/router.hpp"
 #include "http/server.hpp"
@@ -197,10 +197,11 @@ class Service {
     const auto address = http::parse_address(settings_.listen);
     if (!address) return address.error();
     if (Status known = check_exposure(settings_, address->host); !known.ok()) return known;
-    auto doors = Doors::open({*jobs_, *artifacts_, events_, scheduler_, attempt_limits(settings_)}, settings_);
-    if (!doors) return std::move(doors).error();
-    doors_ = std::move(*doors);
-    doors_->hang(router_, [this] { return metrics_.text(gauges()); });
+    auto components =
+        ServiceComponents::open({*jobs_, *artifacts_, events_, scheduler_, attempt_limits(settings_)}, settings_);
+    if (!components) return std::move(components).error();
+    components_ = std::move(*components);
+    components_->add_routes(router_, [this] { return metrics_.text(gauges()); });
     if (!settings_.tls_certificate.empty()) {
       auto tls = http::Tls::load({settings_.tls_certificate, settings_.tls_key});
       if (!tls) return tls.error();
@@ -217,7 +218,7 @@ class Service {
     server_ = std::move(*server);
     if (Status recovered = recover(*jobs_, *artifacts_); !recovered.ok()) return recovered;
     scheduler_.start();
-    doors_->start();
+    components_->start();
     server_->start();
     std::cout << "surfaced " << version() << " listening on " << server_->url() << std::endl;
     log(LogLevel::info, "listening", {{"url", server_->url()}, {"version", version()}});
@@ -237,7 +238,7 @@ class Service {
       }
       if (signal) return;
       survives("remove what has expired", [this] { remove_expired(*jobs_, *artifacts_); });
-      survives("sweep uploads and clouds", [this] { doors_->sweep(); });
+      survives("sweep uploads and clouds", [this] { components_->sweep(); });
       if (++sweeps % kSweepsBetweenOrphans == 0) survives("sweep", [this] { remove_orphans(orphans_); });
     }
   }
@@ -247,11 +248,11 @@ class Service {
   void stop() {
     log(LogLevel::info, "stopping");
     tell_service_manager("STOPPING=1");
-    doors_->service().drain();
+    components_->service().drain();
     const auto listen_until = std::chrono::steady_clock::now() + std::chrono::seconds(settings_.drain_delay);
     scheduler_.drain(std::chrono::seconds(settings_.drain_time));
     std::this_thread::sleep_until(listen_until);
-    doors_->stop();
+    components_->stop();
     server_->stop(kGraceOfAnswers);
     log(LogLevel::info, "stopped");
   }
@@ -287,7 +288,7 @@ class Service {
     gauges.connections_cut_off = state.cut_off;
     gauges.free_bytes = artifacts_->free_bytes();
     gauges.resident_bytes = resident_memory();
-    gauges.ready = doors_->service().ready().ok();
+    gauges.ready = components_->service().ready().ok();
     return gauges;
   }
 
@@ -299,7 +300,7 @@ class Service {
   const std::unique_ptr<ArtifactStore> artifacts_;
   Scheduler scheduler_;
   OrphanSweep orphans_;
-  std::unique_ptr<Doors> doors_;
+  std::unique_ptr<ServiceComponents> components_;
   http::Router router_;
   std::unique_ptr<http::Tls> tls_;
   std::unique_ptr<http::Server> server_;

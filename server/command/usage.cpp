@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/nearest.hpp"
+#include "base/text.hpp"
 #include "command/problem.hpp"
 
 namespace surfaced {
@@ -30,12 +31,6 @@ std::vector<std::string> flags_of(const CLI::App& command) {
     if (!each->get_positional()) names.push_back(each->get_name());
   }
   return names;
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 /// The command whose words these are, and the first word behind its name that names none where one is needed.
@@ -75,7 +70,7 @@ std::string call_of(const Place& place) {
 }
 
 int report_unknown_command(const Place& place) {
-  const std::string known = listed(commands_of(*place.command));
+  const std::string known = joined(commands_of(*place.command));
   const std::string& word = place.unknown;
   return report_problem(
       with_fault({ErrorCode::invalid_usage,
@@ -97,7 +92,7 @@ int report_unexpected(const Place& place, const std::string& word) {
   const bool is_flag = flag.starts_with('-');
   return report_problem(
       with_fault({ErrorCode::invalid_usage, place.called + (is_flag ? " has no flag '" : " takes no '") + flag + "'"},
-                 {flag, std::nullopt, is_flag ? "one of " + listed(flags_of(*place.command)) : "what --help names"}),
+                 {flag, std::nullopt, is_flag ? "one of " + joined(flags_of(*place.command)) : "what --help names"}),
       call_of(place));
 }
 

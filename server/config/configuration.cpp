@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/text.hpp"
 #include "platform/machine.hpp"
 #include "platform/network.hpp"
 
@@ -33,9 +34,8 @@ std::optional<std::string> read_text(const std::filesystem::path& path) {
 }
 
 std::shared_ptr<const Fault> unknown_setting(const std::string& name) {
-  std::string names;
-  for (const Setting& setting : setting_table()) names += (names.empty() ? "" : ", ") + std::string(setting.name);
-  return std::make_shared<const Fault>(Fault{name, std::nullopt, "one of " + names});
+  return std::make_shared<const Fault>(
+      Fault{name, std::nullopt, "one of " + joined(setting_table(), ", ", &Setting::name)});
 }
 
 /// The file's values as text, by name.
@@ -213,11 +213,7 @@ Configuration read_configuration(const Sources& sources) {
   return configuration;
 }
 
-std::string joined(std::span<const Error> problems) {
-  std::string all;
-  for (const Error& problem : problems) all += (all.empty() ? "" : "; ") + problem.detail;
-  return all;
-}
+std::string details_of(std::span<const Error> problems) { return joined(problems, "; ", &Error::detail); }
 
 void check_machine(Configuration& configuration) {
   Settings settings = configuration.settings;

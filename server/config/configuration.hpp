@@ -49,7 +49,7 @@ struct Configuration {
 Configuration read_configuration(const Sources& sources);
 
 /// The details of all of them in one line.
-std::string joined(std::span<const Error> problems);
+std::string details_of(std::span<const Error> problems);
 
 /// Adds what this machine makes of the settings: the data folder, memory, open files, space.
 void check_machine(Configuration& configuration);

@@ -7,6 +7,8 @@
 #include <charconv>
 #include <span>
 
+#include "base/text.hpp"
+
 namespace surfaced {
 namespace {
 
@@ -106,9 +108,8 @@ std::string in_largest(std::span<const Shown> units, std::uint64_t value) {
 }  // namespace
 
 std::optional<std::uint64_t> number_in(SettingUnit unit, std::string_view text) {
-  std::string plain(text);
+  std::string plain = in_lower_case(text);
   std::erase(plain, ' ');
-  std::ranges::transform(plain, plain.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (unit == SettingUnit::seconds) return sum_of_terms(plain, kDurations, true, true);
   if (unit == SettingUnit::bytes || unit == SettingUnit::bytes_per_second) {
     if (unit == SettingUnit::bytes_per_second && plain.ends_with("/s")) plain.resize(plain.size() - 2);

@@ -184,9 +184,18 @@ AttemptResult Scheduler::attempt(const ClaimedJob& claimed, const StopSignal& st
   log->line("job " + claim.job + " attempt " + std::to_string(claim.attempt) + " request " + claimed.job.request_id);
   log->line("method " + claimed.job.method + " " + claimed.job.parameters.dump());
   log->line("input " + std::to_string(claimed.job.input.bytes) + " bytes, sha256 " + claimed.job.input.sha256);
-  AttemptSpec spec{claim,      claimed.job.method,         claimed.job.parameters,  *cloud,
-                   *directory, claimed.job.wanted.front(), points_of(claimed.job),  options_.limits,
-                   ::getpid(), claimed.job.traceparent,    more_meshes(claimed.job)};
+  AttemptSpec spec{claim,
+                   claimed.job.method,
+                   claimed.job.parameters,
+                   *cloud,
+                   claimed.job.input.sha256,
+                   *directory,
+                   claimed.job.wanted.front(),
+                   points_of(claimed.job),
+                   options_.limits,
+                   ::getpid(),
+                   claimed.job.traceparent,
+                   more_meshes(claimed.job)};
   spec.guarded = was_lost(claimed.job);
   if (spec.guarded) log->line("an attempt was lost before: this one is watched by a process of its own");
   auto told = std::chrono::steady_clock::time_point();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/text.hpp"
 #include "http/message.hpp"
 #include "platform/lists.hpp"
 
@@ -24,13 +25,6 @@ std::optional<int> parse_quality(std::string_view text) {
   return value <= 1000 ? std::optional(value) : std::nullopt;
 }
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::ranges::transform(result, result.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return result;
-}
-
 }  // namespace
 
 std::vector<MediaRange> parse_accept(std::string_view value) {
@@ -41,8 +35,8 @@ std::vector<MediaRange> parse_accept(std::string_view value) {
     std::string_view item = take_entry(value, ',');
     std::string_view name = take_entry(item, ';');
     MediaRange range;
-    range.type = lower(take_entry(name, '/'));
-    range.subtype = lower(name);
+    range.type = in_lower_case(take_entry(name, '/'));
+    range.subtype = in_lower_case(name);
     bool readable = !range.type.empty() && !range.subtype.empty();
     while (!item.empty()) {
       std::string_view parameter = take_entry(item, ';');

@@ -62,7 +62,7 @@ BodyStream base64_of(BodyStream body) {
           }};
 }
 
-BodyStream joined(std::vector<BodyStream> parts) {
+BodyStream concatenated(std::vector<BodyStream> parts) {
   std::uint64_t length = 0;
   for (const BodyStream& part : parts) length += part.length;
   const auto shared = std::make_shared<const std::vector<BodyStream>>(std::move(parts));

@@ -19,6 +19,6 @@ BodyStream body_of_static(std::string_view bytes);
 BodyStream base64_of(BodyStream body);
 
 /// The bodies one behind the other.
-BodyStream joined(std::vector<BodyStream> parts);
+BodyStream concatenated(std::vector<BodyStream> parts);
 
 }  // namespace surfaced::http

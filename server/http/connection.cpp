@@ -50,14 +50,14 @@ bool Connection::has_news() const {
   return count >= 0 || (errno != EAGAIN && errno != EINTR);
 }
 
-TlsChannel::Greeting Connection::greet() {
-  const TlsChannel::Greeting greeting = tls_->greet();
-  if (greeting == TlsChannel::Greeting::plain) {
+TlsChannel::Handshake Connection::handshake() {
+  const TlsChannel::Handshake progress = tls_->handshake();
+  if (progress == TlsChannel::Handshake::plain) {
     const std::string answer = closing_answer(
         {ErrorCode::invalid_request, "this port speaks HTTPS; the request came without TLS"}, random_hex<12>());
     [[maybe_unused]] const ssize_t sent = ::send(fd_.get(), answer.data(), answer.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   }
-  return greeting;
+  return progress;
 }
 
 bool Connection::wait(short events, Clock::time_point deadline) {

@@ -10,8 +10,8 @@
 #include <variant>
 
 #include "base/base.hpp"
+#include "base/unique_fd.hpp"
 #include "http/tls.hpp"
-#include "platform/unique_fd.hpp"
 
 namespace surfaced::http {
 
@@ -30,8 +30,8 @@ struct ConnectionLimits {
 };
 
 /// A socket with a buffer, and TLS in between if the server speaks it. What waits for the client's head is done step by
-/// step by whoever has the time (greet, take_head, try_send, drop_arrived never block); only the body of a request is
-/// waited for, at a minimum pace.
+/// step by whoever has the time (handshake, take_head, try_send, drop_arrived never block); only the body of a request
+/// is waited for, at a minimum pace.
 class Connection {
  public:
   using Clock = std::chrono::steady_clock;
@@ -42,9 +42,9 @@ class Connection {
   /// True if the client has sent something, or is gone.
   bool has_news() const;
   /// Goes on with the handshake of TLS; a client that speaks plain HTTP is told that this is the wrong port for it.
-  TlsChannel::Greeting greet();
+  TlsChannel::Handshake handshake();
   /// Why it failed.
-  const std::string& greeting_failure() const { return tls_->why(); }
+  const std::string& handshake_failure() const { return tls_->why(); }
 
   /// What has arrived of the next head.
   struct Incomplete {};

@@ -3,15 +3,15 @@
 
 #include <algorithm>
 
+#include "base/text.hpp"
+
 namespace surfaced::http {
-namespace {
-
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-}  // namespace
-
 bool same_name(std::string_view a, std::string_view b) {
-  return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
+  return std::ranges::equal(a, b, [](char x, char y) { return in_lower_case(x) == in_lower_case(y); });
+}
+
+bool comes_before(std::string_view a, std::string_view b) {
+  return std::ranges::lexicographical_compare(a, b, [](char x, char y) { return in_lower_case(x) < in_lower_case(y); });
 }
 
 void Headers::set(std::string name, std::string value) {

@@ -38,6 +38,8 @@ class Headers {
 
 /// True if the two names of header fields are the same.
 bool same_name(std::string_view a, std::string_view b);
+/// The order of names, without case.
+bool comes_before(std::string_view a, std::string_view b);
 
 /// The body of a request, read once and in pieces; never held in memory as a whole.
 class BodySource {
@@ -60,7 +62,7 @@ class BodySource {
 
 using Query = std::vector<std::pair<std::string, std::string>>;
 
-/// Who sends a request, as the gate of the router has found out.
+/// Who sends a request, as the filter of the router has found out.
 struct Caller {
   /// Id of the key; empty if the server has no keys.
   std::string id;
@@ -98,8 +100,8 @@ struct BodyStream {
   std::function<Result<std::size_t>(std::uint64_t offset, std::span<std::byte> buffer)> read;
 };
 
-struct Later;
-struct Feed;
+struct DeferredResponse;
+struct StreamingResponse;
 
 struct Response {
   int status = 200;
@@ -107,15 +109,15 @@ struct Response {
   std::string content_type;
   std::variant<std::string, BodyStream> body;
   /// Set if the answer is not known yet: then nothing else here counts.
-  std::shared_ptr<const Later> later;
+  std::shared_ptr<const DeferredResponse> deferred;
   /// Set if the body comes bit by bit, and its end with that of the connection; `body` is then empty.
-  std::shared_ptr<const Feed> feed;
+  std::shared_ptr<const StreamingResponse> streaming;
 };
 
 /// A body without a known length, of which the client gets each piece as soon as it is there. The request holds no
 /// thread between two pieces.
-struct Feed {
-  struct Piece {
+struct StreamingResponse {
+  struct Chunk {
     std::string bytes;
     /// There is more already.
     bool more = false;
@@ -124,22 +126,22 @@ struct Feed {
   };
   /// `next` is called at least this often.
   std::chrono::milliseconds interval{15'000};
-  /// As in Later.
+  /// As in DeferredResponse.
   std::function<std::shared_ptr<void>(std::function<void()> wake)> subscribe;
   /// What is to be sent now. Called once at the beginning, after every wake and every interval, and, with `last`, when
   /// the server stops. Never by two threads at once.
-  std::function<Piece(bool last)> next;
+  std::function<Chunk(bool last)> next;
 };
 
 /// An answer that is waited for. The request holds no thread meanwhile.
-struct Later {
+struct DeferredResponse {
   std::chrono::steady_clock::time_point deadline;
   /// From now on calls the function, on any thread, whenever the answer may have become known, until the returned
   /// object is gone. The function returns at once and takes no lock of the caller's.
   std::function<std::shared_ptr<void>(std::function<void()> wake)> subscribe;
   /// The answer, if it is known. Called after `subscribe`, after every wake, and, with `last`, at the deadline
   /// or when the server stops: then it answers in any case.
-  std::function<std::optional<Response>(bool last)> look;
+  std::function<std::optional<Response>(bool last)> poll;
 };
 
 }  // namespace surfaced::http

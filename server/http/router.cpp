@@ -5,6 +5,7 @@
 #include <memory>
 #include <new>
 
+#include "base/text.hpp"
 #include "http/problem.hpp"
 #include "http/request_head.hpp"
 #include "observability/log.hpp"
@@ -50,33 +51,34 @@ Response Router::handle(Request& request) const {
 }
 
 Response Router::guarded(Request& request) const {
-  if (gate_ == nullptr) return dispatch(request);
-  auto preflight = gate_->preflight(request);
+  if (filter_ == nullptr) return dispatch(request);
+  auto preflight = filter_->preflight(request);
   Response response = preflight ? std::move(*preflight) : dispatch(request);
-  if (!response.later) {
-    gate_->decorate(request, response);
+  if (!response.deferred) {
+    filter_->decorate(request, response);
     return response;
   }
-  auto later = std::make_shared<Later>(*response.later);
+  auto deferred = std::make_shared<DeferredResponse>(*response.deferred);
   Request asked = request;
   asked.body = nullptr;
-  later->look = [look = std::move(later->look), asked = std::move(asked), gate = gate_](bool last) {
+  deferred->poll = [look = std::move(deferred->poll), asked = std::move(asked), filter = filter_](bool last) {
     auto known = look(last);
-    if (known) gate->decorate(asked, *known);
+    if (known) filter->decorate(asked, *known);
     return known;
   };
-  response.later = std::move(later);
+  response.deferred = std::move(deferred);
   return response;
 }
 
 Response Router::dispatch(Request& request) const {
   const auto parts = split(request.path);
-  std::string allowed;
+  std::vector<std::string> allowed;
   for (const Route& route : routes_) {
     if (!matches(route.parts, parts)) continue;
     const bool as_get = request.method == "HEAD" && route.method == "GET";
     if (route.method != request.method && !as_get) {
-      allowed += (allowed.empty() ? "" : ", ") + route.method + (route.method == "GET" ? ", HEAD" : "");
+      allowed.push_back(route.method);
+      if (route.method == "GET") allowed.emplace_back("HEAD");
       continue;
     }
     request.route = route.pattern;
@@ -86,18 +88,19 @@ Response Router::dispatch(Request& request) const {
       if (!decoded) return problem_response(decoded.error(), request);
       request.path_parts[route.parts[i].substr(1, route.parts[i].size() - 2)] = std::move(*decoded);
     }
-    if (gate_ != nullptr) {
-      if (auto refused = gate_->refuse(request, route.pattern)) return std::move(*refused);
+    if (filter_ != nullptr) {
+      if (auto refused = filter_->refuse(request, route.pattern)) return std::move(*refused);
     }
     return route.handler(request);
   }
   if (allowed.empty()) {
     return problem_response({ErrorCode::not_found, "there is nothing at '" + request.path + "'"}, request);
   }
+  const std::string others = joined(allowed);
   Response response = problem_response(
-      {ErrorCode::method_not_allowed, request.method + " is not taken at '" + request.path + "', but " + allowed},
+      {ErrorCode::method_not_allowed, request.method + " is not taken at '" + request.path + "', but " + others},
       request);
-  response.headers.add("Allow", allowed);
+  response.headers.add("Allow", others);
   return response;
 }
 

@@ -14,12 +14,12 @@ namespace surfaced::http {
 using Handler = std::function<Response(Request&)>;
 
 /// What stands between the routing and every handler.
-class Gate {
+class RequestFilter {
  public:
-  Gate() = default;
-  Gate(const Gate&) = delete;
-  Gate& operator=(const Gate&) = delete;
-  virtual ~Gate() = default;
+  RequestFilter() = default;
+  RequestFilter(const RequestFilter&) = delete;
+  RequestFilter& operator=(const RequestFilter&) = delete;
+  virtual ~RequestFilter() = default;
 
   /// The answer to a preflight request of a browser; none if the request is none.
   virtual std::optional<Response> preflight(const Request& request) const = 0;
@@ -36,7 +36,7 @@ class Router {
   void add(std::string method, std::string_view pattern, Handler handler);
 
   /// From now on every request passes it. It has to outlive the router.
-  void guard(Gate& gate) { gate_ = &gate; }
+  void set_filter(RequestFilter& filter) { filter_ = &filter; }
 
   /// Calls the handler, or answers not_found, or method_not_allowed with Allow. Whatever a handler throws
   /// becomes an internal_error that says nothing of it.
@@ -52,7 +52,7 @@ class Router {
   Response dispatch(Request& request) const;
   Response guarded(Request& request) const;
   std::vector<Route> routes_;
-  Gate* gate_ = nullptr;
+  RequestFilter* filter_ = nullptr;
 };
 
 }  // namespace surfaced::http

@@ -91,11 +91,11 @@ Server::Server(UniqueFd listener, const ServerLimits& limits, const Router& rout
     : limits_(limits),
       observer_(std::move(observer)),
       tls_(tls),
-      places_("bodies are being received", limits.bodies, limits.bodies_per_address),
-      engine_(router, limits.body_bytes, places_),
+      permits_("bodies are being received", limits.bodies, limits.bodies_per_address),
+      engine_(router, limits.body_bytes, permits_),
       listener_(std::move(listener)),
-      lobby_(listener_.get(), {limits.connection, limits.connections, limits.requests, limits.unsent, tls},
-             [this](std::unique_ptr<Session> session) { add(std::move(session)); }) {}
+      loop_(listener_.get(), {limits.connection, limits.connections, limits.requests, limits.unsent, tls},
+            [this](std::unique_ptr<Session> session) { add(std::move(session)); }) {}
 
 Server::~Server() { stop(std::chrono::milliseconds(0)); }
 
@@ -116,23 +116,23 @@ std::string Server::url() const {
 }
 
 void Server::start() {
-  lobby_.start();
+  loop_.start();
   for (std::size_t i = 0; i < limits_.threads; ++i) pool_.emplace_back([this] { pool_loop(); });
 }
 
 void Server::add(std::unique_ptr<Session> session) {
   const std::scoped_lock lock(mutex_);
   if (ended_) return;
-  auto& queue = session->feeds() ? feeds_ : ready_;
+  auto& queue = session->waits_for_chunk() ? streaming_ : ready_;
   queue.push_back(std::move(session));
   work_.notify_one();
 }
 
 std::unique_ptr<Session> Server::take_ready() {
-  // Requests first, but feeds have one turn in four however many there are.
+  // Requests first, but streams have one turn in four however many there are.
   constexpr unsigned kTurns = 4;
-  const bool feed = ready_.empty() || (!feeds_.empty() && ++taken_ % kTurns == 0);
-  auto& queue = feed ? feeds_ : ready_;
+  const bool streams = ready_.empty() || (!streaming_.empty() && ++taken_ % kTurns == 0);
+  auto& queue = streams ? streaming_ : ready_;
   std::unique_ptr<Session> session = std::move(queue.front());
   queue.pop_front();
   return session;
@@ -140,7 +140,7 @@ std::unique_ptr<Session> Server::take_ready() {
 
 std::unique_ptr<Session> Server::next() {
   std::unique_lock lock(mutex_);
-  work_.wait(lock, [&] { return ended_ || !ready_.empty() || !feeds_.empty(); });
+  work_.wait(lock, [&] { return ended_ || !ready_.empty() || !streaming_.empty(); });
   if (ended_) return nullptr;
   std::unique_ptr<Session> session = take_ready();
   busy_.emplace(session->id(), session->descriptor());
@@ -163,13 +163,13 @@ void Server::pool_loop() {
 }
 
 void Server::work_on(std::unique_ptr<Session> session) {
-  const auto ring = [this](std::uint64_t id) { lobby_.ring(id); };
-  Session::Step step = session->work(engine_, ring, stopping_);
+  const auto wake = [this](std::uint64_t id) { loop_.wake(id); };
+  Session::Step step = session->work(engine_, wake, stopping_);
   if (observer_) {
     if (const auto answered = session->take_answered()) observer_(*answered);
   }
   if (step == Session::Step::waits) {
-    lobby_.enter(std::move(session));
+    loop_.add(std::move(session));
   } else if (step == Session::Step::ready) {
     // The next request of this client waits behind those of others.
     add(std::move(session));
@@ -178,22 +178,22 @@ void Server::work_on(std::unique_ptr<Session> session) {
 
 void Server::stop(std::chrono::milliseconds grace) {
   if (stopping_.exchange(true)) return;
-  lobby_.close();
+  loop_.close();
   {
     std::unique_lock lock(mutex_);
     const auto deadline = std::chrono::steady_clock::now() + grace;
     // Connections end on several ways, not all of which pass here.
     constexpr std::chrono::milliseconds kLook{5};
-    while (lobby_.connections() > 0 && std::chrono::steady_clock::now() < deadline) idle_.wait_for(lock, kLook);
+    while (loop_.connections() > 0 && std::chrono::steady_clock::now() < deadline) idle_.wait_for(lock, kLook);
     ended_ = true;
     ready_.clear();
-    feeds_.clear();
+    streaming_.clear();
     for (const auto& [id, descriptor] : busy_) ::shutdown(descriptor, SHUT_RDWR);
     work_.notify_all();
   }
   for (std::thread& thread : pool_) thread.join();
   pool_.clear();
-  lobby_.stop();
+  loop_.stop();
   listener_.reset();
 }
 

@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "base/base.hpp"
+#include "base/unique_fd.hpp"
 #include "http/connection.hpp"
 #include "http/engine.hpp"
-#include "http/lobby.hpp"
-#include "platform/unique_fd.hpp"
+#include "http/event_loop.hpp"
 
 namespace surfaced::http {
 
@@ -50,7 +50,7 @@ struct ServerLimits {
 /// What the server tells of itself.
 struct ServerState {
   std::size_t connections = 0;
-  /// Connections that found no place, or lost theirs to another one.
+  /// Connections that were refused, or closed for a new one.
   std::uint64_t turned_away = 0;
   /// Bytes of answers that clients have not taken yet.
   std::uint64_t unsent_bytes = 0;
@@ -58,8 +58,8 @@ struct ServerState {
   std::uint64_t cut_off = 0;
 };
 
-/// Listens, and gives requests to a pool of threads once their head is there (lobby.hpp). A thread is held while a
-/// body arrives, for which there are places, and while a handler works, which does not wait for anybody.
+/// Listens, and gives requests to a pool of threads once their head is there (event_loop.hpp). A thread is held while a
+/// body arrives, for which there are permits, and while a handler works, which does not wait for anybody.
 class Server {
  public:
   /// Told of every request once its answer is known, on the thread that worked on it; must not throw.
@@ -82,7 +82,7 @@ class Server {
   void stop(std::chrono::milliseconds grace);
 
   ServerState state() const {
-    return {lobby_.connections(), lobby_.turned_away(), lobby_.unsent_bytes(), lobby_.cut_off()};
+    return {loop_.connections(), loop_.turned_away(), loop_.unsent_bytes(), loop_.cut_off()};
   }
 
  private:
@@ -96,17 +96,17 @@ class Server {
   const ServerLimits limits_;
   const Observer observer_;
   const Tls* const tls_;
-  Places places_;
+  Permits permits_;
   Engine engine_;
   UniqueFd listener_;
-  Lobby lobby_;
+  EventLoop loop_;
   std::mutex mutex_;
   std::condition_variable work_;
   std::condition_variable idle_;
   /// Both bounded by the number of connections. A crowd that follows one job is told of it all at once; requests do not
   /// wait behind it.
   std::deque<std::unique_ptr<Session>> ready_;
-  std::deque<std::unique_ptr<Session>> feeds_;
+  std::deque<std::unique_ptr<Session>> streaming_;
   unsigned taken_ = 0;
   /// Sessions that threads work on, with their descriptors.
   std::map<std::uint64_t, int> busy_;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "http/connection.hpp"
 #include "http/engine.hpp"
@@ -16,44 +17,48 @@ namespace surfaced::http {
 
 /// A connection and what is going on on it:
 ///
-///   greeting (TLS) --(a thread of the pool: keys are exchanged)--> head
-///   greeting (TLS) --(the client speaks plain HTTP, and is told)--> lingering --> over
-///   head --arrived--> (a thread of the pool: engine) --answer--> writing --keep--> head
-///                          |          ^                             |---drain---> lingering --> over
-///                          '--later-> waiting <--feed, until its end--+---close---> over, or lingering until all is
-///                          taken
+///   Handshake (TLS) --(a thread of the pool: keys are exchanged)--> ReadingHead
+///   Handshake (TLS) --(the client speaks plain HTTP, and is told)--> Lingering --> over
+///   ReadingHead --complete--> (a thread of the pool: engine) --response--> Writing --keep--> ReadingHead
+///                                 |            ^                             |---drain---> Lingering --> over
+///                                 '-Deferred---'                             |---close---> over, or Lingering until
+///                                                                            |             all is taken
+///                                                 Streaming <--head written--'
+///                                                 (a chunk after another, until the end: close)
 ///
-/// It belongs to the lobby while it waits and to a thread of the pool while it is worked on; whoever has it
+/// It belongs to the event loop while it waits and to a thread of the pool while it is worked on; whoever has it
 /// calls `advance`, which never blocks.
 class Session {
  public:
   using Clock = Connection::Clock;
-  enum class State : std::uint8_t { greeting, head, waiting, writing, lingering };
   enum class Step : std::uint8_t {
     /// It waits for `events` or for the deadline.
     waits,
-    /// There is work for the pool: a handshake to go on with, a head to answer, or an answer to look for.
+    /// There is work for the pool: a handshake to go on with, a head to answer, or a response to ask for.
     ready,
     over,
   };
 
   /// @param id  of this connection, for as long as it lives
-  /// @param places  counts the connections; one is given back when this object ends
+  /// @param open  counts the connections, this one until this object ends
   /// @param tls  none for plain HTTP
   Session(std::uint64_t id, UniqueFd fd, const ConnectionLimits& limits, std::size_t requests,
-          std::atomic<std::size_t>& places, const Tls* tls);
+          std::atomic<std::size_t>& open, const Tls* tls);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
   std::uint64_t id() const { return id_; }
-  State state() const { return state_; }
-  /// It follows something, and has something new to send.
-  bool feeds() const { return state_ == State::waiting && exchange_.feed != nullptr; }
+  /// It waits for a response that is not known yet, or for the next chunk of one.
+  bool waits_for_response() const;
+  /// It streams a response, of which the next chunk may be there.
+  bool waits_for_chunk() const;
   /// It has been answered, and only takes the rest of that.
-  bool lingers() const { return state_ == State::lingering; }
+  bool lingers() const { return std::holds_alternative<Lingering>(state_); }
   /// No request is there yet that would be owed an answer.
-  bool before_request() const { return state_ == State::greeting || state_ == State::head; }
+  bool before_request() const {
+    return std::holds_alternative<Handshake>(state_) || std::holds_alternative<ReadingHead>(state_);
+  }
   int descriptor() const { return connection_.descriptor(); }
   /// What epoll shall look for.
   std::uint32_t events() const;
@@ -64,53 +69,87 @@ class Session {
   /// The deadline has passed.
   Step overdue();
 
-  /// Goes on with the handshake, answers the head that has arrived, or looks for the answer that was waited for.
-  /// @param ring  tells the lobby that the session with this id may have its answer; called by any thread
+  /// Goes on with the handshake, answers the head that has arrived, or asks for the response that was waited for.
+  /// @param wake  tells the event loop that the session with this id may have its response; called by any thread
   /// @param stopping  the server answers what it has and ends the connection
-  Step work(Engine& engine, const std::function<void(std::uint64_t id)>& ring, bool stopping);
+  Step work(Engine& engine, const std::function<void(std::uint64_t id)>& wake, bool stopping);
 
   /// What the client has not taken of its answer.
   Unsent::Share share() const;
   /// The connection ends at once, with what the client has not taken.
   void give_up() const { connection_.give_up(); }
 
-  /// Somebody rang since the last look: then the session does not go to sleep.
-  bool rung() const { return *rung_; }
+  /// Somebody woke it since the last poll: then the session does not go to sleep.
+  bool woken() const { return *woken_; }
 
   /// What was answered since the last call, for the log.
   std::optional<Exchange> take_answered();
 
  private:
-  Step greet();
+  struct Handshake {
+    /// It goes on when the socket takes bytes, not when it has some.
+    bool writes = false;
+  };
+  struct ReadingHead {
+    /// Once it is complete, or cannot be.
+    std::optional<Result<std::string>> head{};
+  };
+  struct Deferred {
+    std::shared_ptr<const DeferredResponse> response;
+    /// The deadline has passed: it has to answer now.
+    bool last_poll = false;
+    std::shared_ptr<void> subscription{};
+  };
+  /// Bytes on their way to the client, and a stream behind them.
+  struct Writing {
+    std::size_t sent = 0;
+    std::uint64_t streamed = 0;
+  };
+  struct Streaming {
+    std::shared_ptr<const StreamingResponse> response;
+    /// Set while no chunk is being sent.
+    std::optional<Clock::time_point> next_chunk{};
+    std::string chunk{};
+    std::size_t sent = 0;
+    /// The chunk is the last.
+    bool ended = false;
+    /// None before the first chunk. Its pointer may be null.
+    std::optional<std::shared_ptr<void>> subscription{};
+  };
+  struct Lingering {};
+  using State = std::variant<Handshake, ReadingHead, Deferred, Writing, Streaming, Lingering>;
+
+  Step advance(Handshake& state);
+  Step advance(ReadingHead& state);
+  Step advance(Deferred& state);
+  Step advance(Writing& state);
+  Step advance(Streaming& state);
+  Step advance(Lingering& state);
+
+  Step handshake();
+  Step answer_head(Engine& engine, const std::function<void(std::uint64_t)>& wake, bool stopping);
+  Step poll(Engine& engine, bool stopping);
   Step begin_writing();
-  Step write_on();
   Step after_writing();
   /// Closes the connection once the client has taken all of the answer.
   Step end();
-  Step feed_on(bool stopping);
-  Step await_feed();
+  Step begin_chunk(const std::function<void(std::uint64_t)>& wake, bool stopping);
+  Step await_chunk();
+  Step linger();
+  /// Sends what is left of the bytes; none once that is all.
+  std::optional<Step> send(std::string_view bytes, std::size_t& sent);
+  /// What a subscription calls.
+  std::function<void()> waker(const std::function<void(std::uint64_t)>& wake) const;
 
   const std::uint64_t id_;
   Connection connection_;
-  std::atomic<std::size_t>& places_;
+  std::atomic<std::size_t>& open_;
   std::size_t requests_left_;
-  State state_;
-  // The handshake goes on when the socket takes bytes, not when it has some.
-  bool greeting_writes_ = false;
-  std::optional<Result<std::string>> head_;
   Exchange exchange_;
-  std::size_t sent_ = 0;
-  std::uint64_t streamed_ = 0;
-  bool last_look_ = false;
-  // Of a feed.
-  Clock::time_point next_piece_;
-  bool feed_ended_ = false;
-  // Not told from the subscription, whose pointer may be null.
-  bool subscribed_ = false;
   bool answered_ = false;
-  std::shared_ptr<std::atomic<bool>> rung_ = std::make_shared<std::atomic<bool>>(false);
-  // Last, so that nobody wakes what is half gone.
-  std::shared_ptr<void> subscription_;
+  std::shared_ptr<std::atomic<bool>> woken_ = std::make_shared<std::atomic<bool>>(false);
+  // Last, so that no subscription wakes what is half gone.
+  State state_;
 };
 
 }  // namespace surfaced::http

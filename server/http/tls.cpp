@@ -116,20 +116,20 @@ TlsChannel::TlsChannel(const Tls& tls, int descriptor) : context_(tls.context())
 
 TlsChannel::~TlsChannel() { end(); }
 
-TlsChannel::Greeting TlsChannel::greet() {
+TlsChannel::Handshake TlsChannel::handshake() {
   ::ERR_clear_error();
   const int result = ::SSL_do_handshake(ssl_.get());
   if (result == 1) {
-    greeted_ = true;
-    return Greeting::done;
+    established_ = true;
+    return Handshake::done;
   }
   const int kind = ::SSL_get_error(ssl_.get(), result);
-  if (kind == SSL_ERROR_WANT_READ) return Greeting::reads;
-  if (kind == SSL_ERROR_WANT_WRITE) return Greeting::writes;
+  if (kind == SSL_ERROR_WANT_READ) return Handshake::reads;
+  if (kind == SSL_ERROR_WANT_WRITE) return Handshake::writes;
   over_ = true;
   const bool plain = ::ERR_GET_REASON(::ERR_peek_last_error()) == SSL_R_HTTP_REQUEST;
   why_ = complaint();
-  return plain ? Greeting::plain : Greeting::failed;
+  return plain ? Handshake::plain : Handshake::failed;
 }
 
 std::ptrdiff_t TlsChannel::receive(char* bytes, std::size_t size) {
@@ -165,7 +165,7 @@ std::ptrdiff_t TlsChannel::send(const char* bytes, std::size_t size) {
 }
 
 void TlsChannel::end() {
-  if (!greeted_ || over_) return;
+  if (!established_ || over_) return;
   over_ = true;
   ::ERR_clear_error();
   // Only the own goodbye; that of the client is not waited for.

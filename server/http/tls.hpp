@@ -58,7 +58,7 @@ class TlsChannel {
   TlsChannel(const TlsChannel&) = delete;
   TlsChannel& operator=(const TlsChannel&) = delete;
 
-  enum class Greeting : std::uint8_t {
+  enum class Handshake : std::uint8_t {
     done,
     /// It goes on when bytes have arrived.
     reads,
@@ -69,7 +69,7 @@ class TlsChannel {
     failed,
   };
   /// Goes on with the handshake.
-  Greeting greet();
+  Handshake handshake();
   /// Why it failed.
   const std::string& why() const { return why_; }
 
@@ -89,7 +89,7 @@ class TlsChannel {
   const Tls::Context context_;
   const std::unique_ptr<ssl_st, Free> ssl_;
   std::string why_;
-  bool greeted_ = false;
+  bool established_ = false;
   bool over_ = false;
 };
 

@@ -25,7 +25,7 @@ std::optional<JobStatus> job_status_named(std::string_view name) {
 
 std::string_view name_of(Outcome outcome) { return kOutcomeNames.at(static_cast<std::size_t>(outcome)); }
 
-Verdict judge(Outcome outcome, Mishaps before) {
+Verdict judge(Outcome outcome, FailureCounts before) {
   switch (outcome) {
     case Outcome::crashed:
     case Outcome::out_of_memory:

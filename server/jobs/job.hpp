@@ -77,7 +77,7 @@ struct NewJob {
   std::string idempotency_key{};
   /// Hash of everything that the submission asks for.
   std::string fingerprint{};
-  /// How the door that took it will show its results; of no meaning to anybody else.
+  /// How the endpoint that took it will show its results; of no meaning to anybody else.
   std::string presentation{};
 
   /// True if its input is a stored cloud, which other jobs may use too.
@@ -150,7 +150,7 @@ enum class Outcome : std::uint8_t {
 std::string_view name_of(Outcome outcome);
 
 /// What went wrong with a job in earlier attempts.
-struct Mishaps {
+struct FailureCounts {
   std::uint32_t failures = 0;
   std::uint32_t losses = 0;
 };
@@ -163,11 +163,11 @@ inline constexpr std::uint32_t kLossesAllowed = 20;
 /// server is parked at last.
 struct Verdict {
   bool again = false;
-  Mishaps mishaps;
+  FailureCounts failure_counts;
   /// It gets none because its attempts are used up.
   bool parked = false;
 };
-Verdict judge(Outcome outcome, Mishaps before);
+Verdict judge(Outcome outcome, FailureCounts before);
 
 /// job_not_found, in the words that everybody uses who does not find it, or must not say that there is one.
 Error no_such_job(std::string_view id);

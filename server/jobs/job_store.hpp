@@ -168,7 +168,7 @@ class JobStore {
   /// @return the job's state after it, or none if the claim did not hold any more: then nothing changed.
   virtual Result<std::optional<JobStatus>> settle(const Claim& claim, const Ending& ending) = 0;
 
-  /// Queues a failed or dismissed job again, at the end, with its mishaps forgotten.
+  /// Queues a failed or dismissed job again, at the end, with its failure_counts forgotten.
   /// @param allowance  of the job's owner
   /// @return job_not_found, job_gone, not_retryable, queue_full, quota_exceeded.
   virtual Result<Retry> retry(std::string_view id, const Allowance& allowance) = 0;

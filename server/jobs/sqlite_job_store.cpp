@@ -27,7 +27,7 @@ struct LiveProgress {
 };
 
 /// A renewable claim as this process has last heard of it.
-struct Heard {
+struct SeenHeartbeat {
   std::uint32_t attempt = 0;
   std::int64_t heartbeat = 0;
   std::chrono::steady_clock::time_point when;
@@ -180,7 +180,7 @@ class SqliteJobStore final : public JobStore {
                                                 " ms, " + std::to_string(kLossesAllowed) + " times under this job"};
       for (const Claim& claim : silent) settle_claim(writer_, claim, ending, now());
       transaction.commit();
-      for (const Claim& claim : silent) heard_.erase(claim.job);
+      for (const Claim& claim : silent) heartbeats_.erase(claim.job);
       return silent;
     });
   }
@@ -312,17 +312,17 @@ class SqliteJobStore final : public JobStore {
   std::vector<Claim> silent_claims() {
     const auto time = std::chrono::steady_clock::now();
     std::vector<Claim> silent;
-    std::unordered_map<std::string, Heard> heard;
+    std::unordered_map<std::string, SeenHeartbeat> heartbeats;
     for (const Beating& each : select_running(writer_)) {
-      Heard now_heard{each.claim.attempt, each.heartbeat, time};
-      const auto before = heard_.find(each.claim.job);
-      const bool unchanged = before != heard_.end() && before->second.attempt == each.claim.attempt &&
+      SeenHeartbeat current{each.claim.attempt, each.heartbeat, time};
+      const auto before = heartbeats_.find(each.claim.job);
+      const bool unchanged = before != heartbeats_.end() && before->second.attempt == each.claim.attempt &&
                              before->second.heartbeat == each.heartbeat;
-      if (unchanged) now_heard.when = before->second.when;
-      if (time - now_heard.when >= limits_.lease) silent.push_back(each.claim);
-      heard.emplace(each.claim.job, now_heard);
+      if (unchanged) current.when = before->second.when;
+      if (time - current.when >= limits_.lease) silent.push_back(each.claim);
+      heartbeats.emplace(each.claim.job, current);
     }
-    heard_ = std::move(heard);
+    heartbeats_ = std::move(heartbeats);
     return silent;
   }
 
@@ -364,7 +364,7 @@ class SqliteJobStore final : public JobStore {
   Database reader_;
   std::unordered_map<std::string, LiveProgress> progress_;
   // Under the writer's lock.
-  std::unordered_map<std::string, Heard> heard_;
+  std::unordered_map<std::string, SeenHeartbeat> heartbeats_;
 };
 
 }  // namespace

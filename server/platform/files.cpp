@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "base/sha256.hpp"
+
 namespace surfaced {
 
 std::string error_text(int error_number) { return std::generic_category().message(error_number); }
@@ -86,6 +88,12 @@ Result<std::uint64_t> file_size(int fd) {
   struct stat status {};
   if (::fstat(fd, &status) != 0) return system_error("ask for a file's size", errno);
   return static_cast<std::uint64_t>(status.st_size);
+}
+
+Result<std::string> digest_of(const UniqueFd& file) {
+  auto digest = sha256_of_file(file.get());
+  if (!digest) return system_error("read a file", errno);
+  return std::move(*digest);
 }
 
 }  // namespace surfaced

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/base.hpp"
-#include "platform/unique_fd.hpp"
+#include "base/unique_fd.hpp"
 
 namespace surfaced {
 
@@ -32,6 +32,9 @@ Result<std::vector<std::filesystem::path>> entries_of(const std::filesystem::pat
 
 /// Opens a regular file for reading; a symbolic link or anything else is refused.
 Result<UniqueFd> open_regular(const std::filesystem::path& path);
+
+/// SHA-256 of an open file, read from its beginning.
+Result<std::string> digest_of(const UniqueFd& file);
 
 /// Writes all bytes, however often the system call returns early.
 Status write_all(int fd, std::span<const std::byte> bytes, std::string_view action);

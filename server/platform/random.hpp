@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "platform/sha256.hpp"
+#include "base/sha256.hpp"
 
 namespace surfaced {
 

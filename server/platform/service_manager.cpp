@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "platform/unique_fd.hpp"
+#include "base/unique_fd.hpp"
 
 namespace surfaced {
 

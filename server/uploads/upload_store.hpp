@@ -25,9 +25,9 @@
 #include <vector>
 
 #include "base/base.hpp"
+#include "base/unique_fd.hpp"
 #include "jobs/job_store.hpp"
 #include "platform/clock.hpp"
-#include "platform/unique_fd.hpp"
 
 namespace surfaced {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "base/base.hpp"
-#include "platform/unique_fd.hpp"
+#include "base/unique_fd.hpp"
 
 namespace surfaced {
 

@@ -39,6 +39,7 @@ Status reconstruct_within(AttemptBudget& budget, const AttemptSpec& spec) {
                       .parameters = std::move(*parameters),
                       .limits = ReadLimits{spec.limits.max_points},
                       .cloud_name = "the cloud",
+                      .cloud_sha256 = spec.cloud_sha256,
                       .points = spec.points.empty() ? std::filesystem::path() : spec.directory / spec.points,
                       .kept = spec.directory / kKeptMesh};
   request.on_read = [&](std::size_t points) {

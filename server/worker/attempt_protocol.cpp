@@ -22,6 +22,7 @@ std::string encode(const AttemptSpec& spec) {
                   {"method", spec.method},
                   {"parameters", spec.parameters},
                   {"cloud", spec.cloud.string()},
+                  {"cloud_sha256", spec.cloud_sha256},
                   {"directory", spec.directory.string()},
                   {"mesh", spec.mesh},
                   {"points", spec.points},
@@ -43,6 +44,7 @@ Result<AttemptSpec> decode_attempt(std::string_view text) {
     spec.method = json.at("method").get<std::string>();
     spec.parameters = json.at("parameters");
     spec.cloud = json.at("cloud").get<std::string>();
+    spec.cloud_sha256 = json.at("cloud_sha256").get<std::string>();
     spec.directory = json.at("directory").get<std::string>();
     spec.mesh = json.at("mesh").get<std::string>();
     spec.points = json.at("points").get<std::string>();

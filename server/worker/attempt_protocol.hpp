@@ -41,6 +41,8 @@ struct AttemptSpec {
   std::string method;
   nlohmann::ordered_json parameters;
   std::filesystem::path cloud;
+  /// Of the file; the report names it.
+  std::string cloud_sha256;
   /// Where the child writes report.json and the mesh, in the format of its name.
   std::filesystem::path directory;
   std::string mesh;

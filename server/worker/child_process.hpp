@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/base.hpp"
-#include "platform/unique_fd.hpp"
+#include "base/unique_fd.hpp"
 
 namespace surfaced {
 

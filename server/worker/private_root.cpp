@@ -10,7 +10,7 @@
 
 #include <system_error>
 
-#include "platform/unique_fd.hpp"
+#include "base/unique_fd.hpp"
 
 namespace surfaced {
 namespace {

@@ -23,7 +23,8 @@ Result<Output> SideTask::run(const Order& order, const StopSignal& stop) const {
   }
   auto log = AttemptLog::create(*directory / "log.txt");
   if (!log) return log.error();
-  AttemptSpec spec{order.place, "", order.parameters, order.input, *directory, order.output, "", limits_, ::getpid()};
+  AttemptSpec spec{order.place,  "", order.parameters, order.input, "", *directory,
+                   order.output, "", limits_,          ::getpid()};
   // Nobody counts how often a server has died at it: clouds are read again at every start.
   spec.guarded = true;
   const AttemptResult result = runner_.run(spec, stop, *log, [](double, std::string_view) {});

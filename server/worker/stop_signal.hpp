@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "base/unique_fd.hpp"
 #include "jobs/job.hpp"
-#include "platform/unique_fd.hpp"
 
 namespace surfaced {
 

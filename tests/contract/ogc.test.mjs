@@ -145,7 +145,7 @@ test('processes and jobs are listed as the standard filters them', async () => {
   }
 });
 
-test('executed asynchronously it is a job that both doors show', async () => {
+test('executed asynchronously it is a job that both APIs show', async () => {
   const started = await client.json(execution, { inputs: { cloud: inline(sphere(20000)) } }, { prefer: 'respond-async' });
   assert.equal(started.status, 201);
   assert.equal(started.headers.get('preference-applied'), 'respond-async');

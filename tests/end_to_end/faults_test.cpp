@@ -11,7 +11,7 @@
 #include <set>
 #include <thread>
 
-#include "platform/sha256.hpp"
+#include "base/sha256.hpp"
 #include "support/service_client.hpp"
 #include "support/shapes.hpp"
 #include "support/temporary_directory.hpp"

@@ -4,7 +4,7 @@
 
 #include "access/browser_guard.hpp"
 #include "access/client_address.hpp"
-#include "http/places.hpp"
+#include "http/permits.hpp"
 #include "platform/network.hpp"
 
 namespace surfaced {
@@ -79,12 +79,12 @@ TEST(ClientGroupTest, counts_ipv6_by_64_bits_and_everything_else_as_it_is) {
 }
 
 TEST(ClientGroupTest, a_customer_of_ipv6_has_one_share_of_the_places) {
-  http::Places places("things are held", 100, 2);
-  const auto first = places.take("2001:db8:1:2::1");
-  const auto second = places.take("2001:db8:1:2::2");
+  http::Permits permits("things are held", 100, 2);
+  const auto first = permits.acquire("2001:db8:1:2::1");
+  const auto second = permits.acquire("2001:db8:1:2::2");
   EXPECT_TRUE(first.ok() && second.ok());
-  EXPECT_EQ(places.take("2001:db8:1:2:ffff::3").error().code, ErrorCode::too_many_requests);
-  EXPECT_TRUE(places.take("2001:db8:1:3::1").ok());
+  EXPECT_EQ(permits.acquire("2001:db8:1:2:ffff::3").error().code, ErrorCode::too_many_requests);
+  EXPECT_TRUE(permits.acquire("2001:db8:1:3::1").ok());
 }
 
 using Fields = std::vector<std::pair<std::string, std::string>>;

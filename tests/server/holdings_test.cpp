@@ -11,11 +11,11 @@
 
 #include "api/incoming.hpp"
 #include "artifacts/file_artifact_store.hpp"
+#include "base/sha256.hpp"
 #include "clouds/cloud_service.hpp"
 #include "jobs/sqlite_job_store.hpp"
 #include "platform/files.hpp"
 #include "platform/random.hpp"
-#include "platform/sha256.hpp"
 #include "support/temporary_directory.hpp"
 #include "uploads/upload_store.hpp"
 

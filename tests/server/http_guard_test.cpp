@@ -81,24 +81,24 @@ class HttpGuardTest : public ::testing::Test {
                                    }});
     });
     router_.add("GET", "/wait", [this](Request& request) {
-      auto later = std::make_shared<Later>();
-      later->deadline = std::chrono::steady_clock::now() + (request.query.empty() ? kForLong : milliseconds(200));
-      later->subscribe = [this](std::function<void()> wake) { return topic_.subscribe(std::move(wake)); };
-      later->look = [this](bool last) -> std::optional<Response> {
+      auto deferred = std::make_shared<DeferredResponse>();
+      deferred->deadline = std::chrono::steady_clock::now() + (request.query.empty() ? kForLong : milliseconds(200));
+      deferred->subscribe = [this](std::function<void()> wake) { return topic_.subscribe(std::move(wake)); };
+      deferred->poll = [this](bool last) -> std::optional<Response> {
         if (!topic_.told() && !last) return std::nullopt;
         return json_response(200, {{"told", topic_.told()}});
       };
       Response response;
-      response.later = later;
+      response.deferred = deferred;
       return response;
     });
     router_.add("GET", "/follow", [this](Request& request) {
-      auto feed = std::make_shared<Feed>();
-      feed->interval = request.query.empty() ? kForLong : milliseconds(100);
-      feed->subscribe = [this](std::function<void()> wake) { return topic_.subscribe(std::move(wake)); };
-      feed->next = [this](bool) { return Feed::Piece{++asked_ == 1 ? "first" : "", false, false}; };
+      auto streaming = std::make_shared<StreamingResponse>();
+      streaming->interval = request.query.empty() ? kForLong : milliseconds(100);
+      streaming->subscribe = [this](std::function<void()> wake) { return topic_.subscribe(std::move(wake)); };
+      streaming->next = [this](bool) { return StreamingResponse::Chunk{++asked_ == 1 ? "first" : "", false, false}; };
       Response response;
-      response.feed = feed;
+      response.streaming = streaming;
       return response;
     });
     router_.add("GET", "/throw", [](Request&) -> Response { throw std::runtime_error("secret"); });
@@ -422,7 +422,7 @@ TEST_F(HttpGuardTest, a_waiter_who_goes_away_is_forgotten) {
   EXPECT_TRUE(eventually([&] { return topic_.waiters() == 0 && server_->state().connections == 0; }));
 }
 
-TEST_F(HttpGuardTest, a_feed_is_asked_after_its_interval_and_else_not) {
+TEST_F(HttpGuardTest, a_stream_is_asked_after_its_interval_and_else_not) {
   RawConnection connection(port_);
   const auto began = steady_clock::now();
   connection.send("GET /follow?often HTTP/1.1\r\nHost: h\r\n\r\n");
@@ -433,7 +433,7 @@ TEST_F(HttpGuardTest, a_feed_is_asked_after_its_interval_and_else_not) {
   EXPECT_EQ(topic_.waiters(), 1U) << "it subscribes once";
 }
 
-TEST_F(HttpGuardTest, a_feed_is_asked_when_it_is_rung_for) {
+TEST_F(HttpGuardTest, a_stream_is_asked_when_it_is_woken) {
   RawConnection connection(port_);
   connection.send("GET /follow HTTP/1.1\r\nHost: h\r\n\r\n");
   EXPECT_EQ(connection.read_answer().status, 200);

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "access/client_address.hpp"
-#include "api/mark.hpp"
 #include "api/paging.hpp"
+#include "api/request_context.hpp"
 #include "api/submission.hpp"
 #include "api/upload_headers.hpp"
 #include "http/accept.hpp"
@@ -171,7 +171,7 @@ TEST(ParserCostTest, heads_and_queries_cost_what_their_bytes_do) {
       client_address("10.0.0.1", read->headers, networks_in("10.0.0.0/8").value());
       const auto query = http::parse_query(read->query);
       if (!query) return;
-      [[maybe_unused]] const auto submission = api::read_submission(*query, api::Door::jobs, {});
+      [[maybe_unused]] const auto submission = api::read_submission(*query, api::Endpoint::jobs, {});
     });
   }
 }
@@ -197,7 +197,7 @@ TEST(ParserCostTest, header_values_cost_what_their_bytes_do) {
       return api::metadata_header(request.headers).ok() || api::checksum_header(request.headers).ok() ||
              api::bytes_header(request.headers, "Upload-Length").ok();
     });
-    expect_cheap("marks: " + what, value.size(), [&] { return api::mark_of(request).ok(); });
+    expect_cheap("marks: " + what, value.size(), [&] { return api::context_of(request).ok(); });
     expect_cheap("labels: " + what, value.size(), [&] { return api::read_labels(value).ok(); });
     expect_cheap("base64: " + what, value.size(), [&] { return base64_decode(value).has_value(); });
     expect_cheap("boundary: " + what, value.size(),

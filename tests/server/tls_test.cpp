@@ -43,17 +43,17 @@ BodyStream big_body() {
           }};
 }
 
-Response feed_of(std::size_t pieces) {
-  auto feed = std::make_shared<Feed>();
-  feed->interval = milliseconds(10);
-  feed->subscribe = [](const std::function<void()>&) { return std::make_shared<int>(0); };
-  feed->next = [told = std::make_shared<std::size_t>(0), pieces](bool) {
+Response stream_of(std::size_t pieces) {
+  auto streaming = std::make_shared<StreamingResponse>();
+  streaming->interval = milliseconds(10);
+  streaming->subscribe = [](const std::function<void()>&) { return std::make_shared<int>(0); };
+  streaming->next = [told = std::make_shared<std::size_t>(0), pieces](bool) {
     ++*told;
-    return Feed::Piece{"data: " + std::to_string(*told) + "\n\n", false, *told == pieces};
+    return StreamingResponse::Chunk{"data: " + std::to_string(*told) + "\n\n", false, *told == pieces};
   };
   Response response;
   response.content_type = "text/event-stream";
-  response.feed = feed;
+  response.streaming = streaming;
   return response;
 }
 
@@ -65,20 +65,20 @@ class TlsTest : public ::testing::Test {
     router_.add("GET", "/big", [](Request& request) {
       return conditional_response(request, "\"big\"", "application/octet-stream", big_body());
     });
-    router_.add("GET", "/feed", [](Request&) { return feed_of(5); });
+    router_.add("GET", "/stream", [](Request&) { return stream_of(5); });
     router_.add("GET", "/wait", [this](Request&) {
-      auto later = std::make_shared<Later>();
-      later->deadline = steady_clock::now() + kForLong;
-      later->subscribe = [this](std::function<void()> wake) {
+      auto deferred = std::make_shared<DeferredResponse>();
+      deferred->deadline = steady_clock::now() + kForLong;
+      deferred->subscribe = [this](std::function<void()> wake) {
         ++waiters_;
         return events_.subscribe("topic", std::move(wake));
       };
-      later->look = [this](bool last) -> std::optional<Response> {
+      deferred->poll = [this](bool last) -> std::optional<Response> {
         if (!told_ && !last) return std::nullopt;
         return json_response(200, {{"told", told_.load()}});
       };
       Response response;
-      response.later = later;
+      response.deferred = deferred;
       return response;
     });
     router_.add("POST", "/count", [](Request& request) {
@@ -176,9 +176,9 @@ TEST_F(TlsTest, bytes_come_through_unchanged_both_ways_on_one_connection) {
   }
 }
 
-TEST_F(TlsTest, a_feed_ends_with_a_goodbye_so_that_nothing_can_be_cut_off_unseen) {
+TEST_F(TlsTest, a_stream_ends_with_a_goodbye_so_that_nothing_can_be_cut_off_unseen) {
   TlsConnection connection(port_);
-  connection.send("GET /feed HTTP/1.1\r\nHost: h\r\n\r\n");
+  connection.send("GET /stream HTTP/1.1\r\nHost: h\r\n\r\n");
   EXPECT_EQ(connection.read_answer().status, 200);
   EXPECT_TRUE(connection.closes());
   EXPECT_TRUE(connection.ended_properly());

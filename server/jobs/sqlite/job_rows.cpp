@@ -2,6 +2,9 @@
 #include "jobs/sqlite/job_rows.hpp"
 
 #include <algorithm>
+#include <array>
+
+#include "base/text.hpp"
 
 namespace surfaced::sqlite {
 namespace {
@@ -90,34 +93,53 @@ std::vector<std::string> texts_in(const std::string& json) {
   return texts;
 }
 
+/// The columns of a job that are read, in the order of the query.
+constexpr auto kJobColumns = std::to_array<std::string_view>(
+    {"id",           "method",       "parameters", "status",      "attempt",     "input_key",  "input_bytes",
+     "input_sha256", "ttl_seconds",  "created_at", "started_at",  "finished_at", "expires_at", "removed_at",
+     "error_code",   "error_detail", "wanted",     "request_id",  "seq",         "parked",     "traceparent",
+     "owner",        "labels",       "webhook",    "presentation"});
+
+/// Where the query has the column; one that it does not have is an error of the compiler.
+consteval int column(std::string_view name) {
+  const auto* const found = std::ranges::find(kJobColumns, name);
+  if (found == kJobColumns.end()) throw "no such column";
+  return static_cast<int>(found - kJobColumns.begin());
+}
+static_assert(column("error_detail") == column("error_code") + 1, "error_at reads the two together");
+
+const std::string kSelectJob = "SELECT " + joined(kJobColumns) + " FROM jobs WHERE id = ?";
+
 JobRow read_job(const Query& query) {
   JobRow row;
   Job& job = row.job;
-  job.id = query.text(0);
-  job.method = query.text(1);
-  job.parameters = nlohmann::ordered_json::parse(query.text(2), nullptr, false);
-  const auto status = job_status_named(query.text(3));
+  job.id = query.text(column("id"));
+  job.method = query.text(column("method"));
+  job.parameters = nlohmann::ordered_json::parse(query.text(column("parameters")), nullptr, false);
+  const auto status = job_status_named(query.text(column("status")));
   if (!status || job.parameters.is_discarded()) {
     throw SqliteError(0, "the job store is damaged: job " + job.id + " has a status or parameters that cannot be read");
   }
   job.status = *status;
-  job.attempt = static_cast<std::uint32_t>(query.number(4));
-  job.input = {query.text(5), static_cast<std::uint64_t>(query.number(6)), query.text(7)};
-  job.ttl = std::chrono::seconds(query.number(8));
-  job.created_at = time_at(query, 9).value_or(SystemTime{});
-  job.started_at = time_at(query, 10);
-  job.finished_at = time_at(query, 11);
-  job.expires_at = time_at(query, 12);
-  row.removed_at = query.text(13);
-  job.request_id = query.text(17);
-  job.wanted = texts_in(query.text(16));
-  job.error = error_at(query, 14);
-  job.parked = query.number(19) != 0;
-  job.traceparent = query.text(20);
-  job.owner = query.text(21);
-  job.labels = texts_in(query.text(22));
-  job.webhook = query.text(23);
-  job.presentation = query.text(24);
+  job.attempt = static_cast<std::uint32_t>(query.number(column("attempt")));
+  job.input = {query.text(column("input_key")), static_cast<std::uint64_t>(query.number(column("input_bytes"))),
+               query.text(column("input_sha256"))};
+  job.ttl = std::chrono::seconds(query.number(column("ttl_seconds")));
+  job.created_at = time_at(query, column("created_at")).value_or(SystemTime{});
+  job.started_at = time_at(query, column("started_at"));
+  job.finished_at = time_at(query, column("finished_at"));
+  job.expires_at = time_at(query, column("expires_at"));
+  row.removed_at = query.text(column("removed_at"));
+  row.seq = query.number(column("seq"));
+  job.request_id = query.text(column("request_id"));
+  job.wanted = texts_in(query.text(column("wanted")));
+  job.error = error_at(query, column("error_code"));
+  job.parked = query.number(column("parked")) != 0;
+  job.traceparent = query.text(column("traceparent"));
+  job.owner = query.text(column("owner"));
+  job.labels = texts_in(query.text(column("labels")));
+  job.webhook = query.text(column("webhook"));
+  job.presentation = query.text(column("presentation"));
   return row;
 }
 
@@ -134,7 +156,7 @@ std::vector<Claim> claims(Query& query) {
 }
 
 struct Standing {
-  Mishaps mishaps;
+  FailureCounts failure_counts;
   std::chrono::seconds ttl;
 };
 
@@ -147,12 +169,12 @@ std::optional<Standing> standing_of(Database& database, const Claim& claim) {
                   std::chrono::seconds(query.number(2))};
 }
 
-void requeue(Database& database, const Claim& claim, const Mishaps& mishaps) {
+void requeue(Database& database, const Claim& claim, const FailureCounts& failure_counts) {
   Query(database,
         "UPDATE jobs SET status = 'accepted', started_at = NULL, failures = ?, losses = ? "
         "WHERE id = ? AND attempt = ? AND status = 'running'")
-      .bind(std::int64_t{mishaps.failures})
-      .bind(std::int64_t{mishaps.losses})
+      .bind(std::int64_t{failure_counts.failures})
+      .bind(std::int64_t{failure_counts.losses})
       .bind(claim.job)
       .bind(std::int64_t{claim.attempt})
       .run();
@@ -194,21 +216,15 @@ void insert_job(Database& database, const NewJob& job, SystemTime time) {
 
 std::optional<JobRow> select_job(Database& database, std::string_view id) {
   std::optional<JobRow> row;
-  std::int64_t seq = 0;
   {
-    Query query(database,
-                "SELECT id, method, parameters, status, attempt, input_key, input_bytes, input_sha256, ttl_seconds, "
-                "created_at, started_at, finished_at, expires_at, removed_at, error_code, error_detail, wanted, "
-                "request_id, seq, parked, traceparent, owner, labels, webhook, presentation "
-                "FROM jobs WHERE id = ?");
+    Query query(database, kSelectJob.c_str());
     query.bind(id);
     if (!query.step()) return std::nullopt;
     row = read_job(query);
-    seq = query.number(18);
   }
   if (row->job.status == JobStatus::accepted) {
     Query query(database, "SELECT count(*) FROM jobs WHERE status = 'accepted' AND seq < ?");
-    query.bind(seq);
+    query.bind(row->seq);
     if (query.step()) row->job.queue_position = static_cast<std::uint64_t>(query.number(0));
   }
   row->job.outputs = select_outputs(database, id);
@@ -256,9 +272,9 @@ std::optional<JobStatus> settle_claim(Database& database, const Claim& claim, co
   const auto standing = standing_of(database, claim);
   if (!standing) return std::nullopt;
   end_attempt(database, claim, ending, time);
-  const Verdict verdict = judge(ending.outcome, standing->mishaps);
+  const Verdict verdict = judge(ending.outcome, standing->failure_counts);
   if (verdict.again) {
-    requeue(database, claim, verdict.mishaps);
+    requeue(database, claim, verdict.failure_counts);
     return JobStatus::accepted;
   }
   const JobStatus status = status_after(ending.outcome);
@@ -268,7 +284,7 @@ std::optional<JobStatus> settle_claim(Database& database, const Claim& claim, co
                "UPDATE jobs SET status = ?, finished_at = ?, expires_at = ?, failures = ?, losses = ?, parked = ?, "
                "error_code = ?, error_detail = ? WHERE id = ? AND attempt = ? AND status = 'running'");
   update.bind(name_of(status)).bind(finished).bind(expires);
-  update.bind(std::int64_t{verdict.mishaps.failures}).bind(std::int64_t{verdict.mishaps.losses});
+  update.bind(std::int64_t{verdict.failure_counts.failures}).bind(std::int64_t{verdict.failure_counts.losses});
   update.bind(std::int64_t{verdict.parked}).bind(ending.error);
   update.bind(claim.job).bind(std::int64_t{claim.attempt}).run();
   replace_outputs(database, claim.job, ending.outputs);

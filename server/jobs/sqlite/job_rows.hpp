@@ -19,6 +19,8 @@ struct JobRow {
   Job job;
   /// Empty unless the job was removed.
   std::string removed_at;
+  /// Its number in the order of submission.
+  std::int64_t seq = 0;
 };
 
 void insert_job(Database& database, const NewJob& job, SystemTime time);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "http/lobby.hpp"
+#include "http/event_loop.hpp"
 
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -18,7 +18,7 @@ namespace surfaced::http {
 namespace {
 
 constexpr std::uint64_t kListener = 0;
-constexpr std::uint64_t kBell = 1;
+constexpr std::uint64_t kWakeup = 1;
 constexpr std::uint64_t kFirstSession = 2;
 constexpr int kAcceptedAtOnce = 64;
 /// When descriptors run out, accepting again at once would only spin.
@@ -27,14 +27,14 @@ constexpr int kLongestSleep = 60'000;
 /// While clients have more of their answers to take than they should.
 constexpr int kPauseWhileShort = 100;
 
-void watch(int epoll, int fd, std::uint32_t events, std::uint64_t id) {
+void register_with(int epoll, int fd, std::uint32_t events, std::uint64_t id) {
   epoll_event event{};
   event.events = events;
   event.data.u64 = id;
   if (::epoll_ctl(epoll, EPOLL_CTL_ADD, fd, &event) != 0) throw std::bad_alloc();
 }
 
-void turn_away(const UniqueFd& client) {
+void refuse(const UniqueFd& client) {
   const std::string answer =
       closing_answer({ErrorCode::not_ready, "all connections of the server are taken"}, random_hex<12>());
   // What has arrived is taken first, or the close would reset the connection before the answer is read.
@@ -47,96 +47,96 @@ void turn_away(const UniqueFd& client) {
 
 }  // namespace
 
-Lobby::Lobby(int listener, const Options& options, Ready ready)
+EventLoop::EventLoop(int listener, const Options& options, Ready ready)
     : options_(options),
       ready_(std::move(ready)),
       next_id_(kFirstSession),
       listener_(listener),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
-      bell_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      wakeup_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       unsent_(options.unsent) {
-  watch(epoll_.get(), bell_.get(), EPOLLIN, kBell);
-  watch(epoll_.get(), listener_, EPOLLIN, kListener);
+  register_with(epoll_.get(), wakeup_.get(), EPOLLIN, kWakeup);
+  register_with(epoll_.get(), listener_, EPOLLIN, kListener);
 }
 
-Lobby::~Lobby() { stop(); }
+EventLoop::~EventLoop() { stop(); }
 
-void Lobby::start() {
+void EventLoop::start() {
   thread_ = std::thread([this] { run(); });
 }
 
-void Lobby::enter(std::unique_ptr<Session> session) {
+void EventLoop::add(std::unique_ptr<Session> session) {
   bool first = false;
   {
     const std::scoped_lock lock(mutex_);
-    first = arrivals_.empty() && rings_.empty();
-    arrivals_.push_back(std::move(session));
+    first = added_.empty() && woken_.empty();
+    added_.push_back(std::move(session));
   }
-  // Whoever put in something before has rung, and the mail is taken as a whole.
-  if (first) ::eventfd_write(bell_.get(), 1);
+  // Whoever asked before has woken the thread, and it takes all at once.
+  if (first) ::eventfd_write(wakeup_.get(), 1);
 }
 
-void Lobby::ring(std::uint64_t id) {
+void EventLoop::wake(std::uint64_t id) {
   bool first = false;
   {
     const std::scoped_lock lock(mutex_);
-    first = arrivals_.empty() && rings_.empty();
-    rings_.push_back(id);
+    first = added_.empty() && woken_.empty();
+    woken_.push_back(id);
   }
-  if (first) ::eventfd_write(bell_.get(), 1);
+  if (first) ::eventfd_write(wakeup_.get(), 1);
 }
 
-void Lobby::close() {
+void EventLoop::close() {
   {
     const std::scoped_lock lock(mutex_);
     close_asked_ = true;
   }
-  ::eventfd_write(bell_.get(), 1);
+  ::eventfd_write(wakeup_.get(), 1);
 }
 
-void Lobby::stop() {
+void EventLoop::stop() {
   stop_asked_ = true;
-  ::eventfd_write(bell_.get(), 1);
+  ::eventfd_write(wakeup_.get(), 1);
   if (thread_.joinable()) thread_.join();
-  guests_.clear();
-  // Ended outside of the lock: a session that goes unsubscribes, and whoever rings holds the other lock.
-  std::vector<std::unique_ptr<Session>> arrivals;
+  waiting_.clear();
+  // Ended outside of the lock: a session that ends unsubscribes, and whoever wakes it holds the other lock.
+  std::vector<std::unique_ptr<Session>> added;
   {
     const std::scoped_lock lock(mutex_);
-    arrivals.swap(arrivals_);
+    added.swap(added_);
   }
 }
 
-void Lobby::run() {
+void EventLoop::run() {
   std::array<epoll_event, 256> events{};
   while (!stop_asked_) {
     const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), wait_milliseconds());
     if (full_of_descriptors_ && !closed_) {
       full_of_descriptors_ = false;
-      watch(epoll_.get(), listener_, EPOLLIN, kListener);
+      register_with(epoll_.get(), listener_, EPOLLIN, kListener);
     }
     for (int i = 0; i < count; ++i) {
       // Memory may run out for one connection; the others go on.
-      survives("go on with a connection", [&] { attend_to(events.at(static_cast<std::size_t>(i)).data.u64); });
+      survives("go on with a connection", [&] { handle_event(events.at(static_cast<std::size_t>(i)).data.u64); });
     }
     survives("end connections", [this] {
       end_overdue();
-      end_those_who_take_nothing();
+      cut_off_stalled();
     });
   }
 }
 
-void Lobby::attend_to(std::uint64_t id) {
-  if (id == kBell) {
-    take_mail();
+void EventLoop::handle_event(std::uint64_t id) {
+  if (id == kWakeup) {
+    take_requests();
   } else if (id == kListener) {
     accept_some();
-  } else if (const auto found = guests_.find(id); found != guests_.end()) {
+  } else if (const auto found = waiting_.find(id); found != waiting_.end()) {
     follow(id, found->second.session->advance());
   }
 }
 
-int Lobby::wait_milliseconds() const {
+int EventLoop::wait_milliseconds() const {
   if (full_of_descriptors_) return kPauseWithoutDescriptors;
   const int longest = unsent_.is_short() ? kPauseWhileShort : kLongestSleep;
   if (deadlines_.empty()) return longest;
@@ -145,49 +145,49 @@ int Lobby::wait_milliseconds() const {
   return static_cast<int>(std::clamp<std::int64_t>(milliseconds, 0, longest));
 }
 
-void Lobby::take_mail() {
+void EventLoop::take_requests() {
   eventfd_t count = 0;
-  ::eventfd_read(bell_.get(), &count);
-  std::vector<std::unique_ptr<Session>> arrivals;
-  std::vector<std::uint64_t> rings;
+  ::eventfd_read(wakeup_.get(), &count);
+  std::vector<std::unique_ptr<Session>> added;
+  std::vector<std::uint64_t> woken;
   bool close_asked = false;
   {
     const std::scoped_lock lock(mutex_);
-    arrivals.swap(arrivals_);
-    rings.swap(rings_);
+    added.swap(added_);
+    woken.swap(woken_);
     close_asked = std::exchange(close_asked_, false);
   }
   if (close_asked) close_now();
-  for (auto& session : arrivals) {
+  for (auto& session : added) {
     if (closed_ && session->before_request()) continue;
-    if (session->state() == Session::State::waiting && (closed_ || session->rung())) {
+    if (session->waits_for_response() && (closed_ || session->woken())) {
       ready_(std::move(session));
     } else {
-      seat(std::move(session));
+      watch(std::move(session));
     }
   }
-  for (const std::uint64_t id : rings) {
-    const auto found = guests_.find(id);
-    if (found != guests_.end() && found->second.session->state() == Session::State::waiting) ready_(unseat(id));
+  for (const std::uint64_t id : woken) {
+    const auto found = waiting_.find(id);
+    if (found != waiting_.end() && found->second.session->waits_for_response()) ready_(unwatch(id));
   }
 }
 
-void Lobby::close_now() {
+void EventLoop::close_now() {
   closed_ = true;
   if (!full_of_descriptors_) ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, listener_, nullptr);
   std::vector<std::uint64_t> ids;
-  for (const auto& [id, guest] : guests_) ids.push_back(id);
+  for (const auto& [id, waiting] : waiting_) ids.push_back(id);
   for (const std::uint64_t id : ids) {
-    const Session& session = *guests_.at(id).session;
+    const Session& session = *waiting_.at(id).session;
     if (session.before_request()) {
-      unseat(id);
-    } else if (session.state() == Session::State::waiting) {
-      ready_(unseat(id));
+      unwatch(id);
+    } else if (session.waits_for_response()) {
+      ready_(unwatch(id));
     }
   }
 }
 
-void Lobby::accept_some() {
+void EventLoop::accept_some() {
   for (int i = 0; i < kAcceptedAtOnce; ++i) {
     UniqueFd client(::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
     if (client) {
@@ -202,103 +202,103 @@ void Lobby::accept_some() {
   }
 }
 
-void Lobby::admit(UniqueFd client) {
-  if (places_ >= options_.connections && !make_room()) {
+void EventLoop::admit(UniqueFd client) {
+  if (open_ >= options_.connections && !evict_one()) {
     ++turned_away_;
     // Who expects TLS could not read the reason.
-    if (options_.tls == nullptr) turn_away(client);
+    if (options_.tls == nullptr) refuse(client);
     return;
   }
   const std::uint64_t id = next_id_++;
   auto session =
-      std::make_unique<Session>(id, std::move(client), options_.connection, options_.requests, places_, options_.tls);
+      std::make_unique<Session>(id, std::move(client), options_.connection, options_.requests, open_, options_.tls);
   Session& seen = *session;
-  seat(std::move(session));
+  watch(std::move(session));
   // Often the head has arrived together with the connection.
   follow(id, seen.advance());
 }
 
-bool Lobby::make_room() {
+bool EventLoop::evict_one() {
   for (const auto& [deadline, id] : deadlines_) {
-    const Session& session = *guests_.at(id).session;
+    const Session& session = *waiting_.at(id).session;
     if (!session.before_request() && !session.lingers()) continue;
     session.give_up();
-    unseat(id);
+    unwatch(id);
     ++turned_away_;
     return true;
   }
   return false;
 }
 
-void Lobby::seat(std::unique_ptr<Session> session) {
+void EventLoop::watch(std::unique_ptr<Session> session) {
   const std::uint64_t id = session->id();
   const auto deadline = session->deadline();
   const Session& seen = *session;
-  guests_.emplace(id, Guest{std::move(session), deadline});
+  waiting_.emplace(id, Waiting{std::move(session), deadline});
   try {
     deadlines_.emplace(deadline, id);
     unsent_.note(id, seen.share(), Session::Clock::now());
-    watch(epoll_.get(), seen.descriptor(), seen.events(), id);
+    register_with(epoll_.get(), seen.descriptor(), seen.events(), id);
   } catch (const std::exception&) {
     // One that would be forgotten in part is ended.
-    unseat(id);
+    unwatch(id);
     throw;
   }
 }
 
-std::unique_ptr<Session> Lobby::unseat(std::uint64_t id) {
-  const auto found = guests_.find(id);
+std::unique_ptr<Session> EventLoop::unwatch(std::uint64_t id) {
+  const auto found = waiting_.find(id);
   std::unique_ptr<Session> session = std::move(found->second.session);
   deadlines_.erase({found->second.deadline, id});
   unsent_.forget(id);
-  guests_.erase(found);
+  waiting_.erase(found);
   ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, session->descriptor(), nullptr);
   return session;
 }
 
-void Lobby::follow(std::uint64_t id, Session::Step step) {
+void EventLoop::follow(std::uint64_t id, Session::Step step) {
   if (step == Session::Step::over) {
-    unseat(id);
+    unwatch(id);
     return;
   }
   if (step == Session::Step::ready) {
-    ready_(unseat(id));
+    ready_(unwatch(id));
     return;
   }
-  Guest& guest = guests_.at(id);
-  const auto deadline = guest.session->deadline();
-  if (deadline != guest.deadline) {
+  Waiting& waiting = waiting_.at(id);
+  const auto deadline = waiting.session->deadline();
+  if (deadline != waiting.deadline) {
     deadlines_.emplace(deadline, id);
-    deadlines_.erase({guest.deadline, id});
-    guest.deadline = deadline;
+    deadlines_.erase({waiting.deadline, id});
+    waiting.deadline = deadline;
   }
   // Writing may have become waiting for the next head, or lingering.
   epoll_event event{};
-  event.events = guest.session->events();
+  event.events = waiting.session->events();
   event.data.u64 = id;
-  ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, guest.session->descriptor(), &event);
-  unsent_.note(id, guest.session->share(), Session::Clock::now());
+  ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, waiting.session->descriptor(), &event);
+  unsent_.note(id, waiting.session->share(), Session::Clock::now());
 }
 
-void Lobby::end_those_who_take_nothing() {
+void EventLoop::cut_off_stalled() {
   const auto time = Session::Clock::now();
   while (const auto id = unsent_.overdue(time)) {
-    const Session& session = *guests_.at(*id).session;
+    const Session& session = *waiting_.at(*id).session;
     // It may have taken something of what the kernel holds, of which nobody is told.
     unsent_.note(*id, session.share(), time);
     if (unsent_.overdue(time) != id) continue;
     session.give_up();
-    unseat(*id);
+    unwatch(*id);
     ++cut_off_;
   }
   unsent_bytes_ = unsent_.bytes();
 }
 
-void Lobby::end_overdue() {
+void EventLoop::end_overdue() {
   const auto time = Session::Clock::now();
   while (!deadlines_.empty() && deadlines_.begin()->first <= time) {
     const std::uint64_t id = deadlines_.begin()->second;
-    follow(id, guests_.at(id).session->overdue());
+    follow(id, waiting_.at(id).session->overdue());
   }
 }
 

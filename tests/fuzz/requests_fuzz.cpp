@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the doors read besides clouds: forms, queries, the headers of tus, Accept, ids of events, conditions.
+// What the endpoints read besides clouds: forms, queries, the headers of tus, Accept, ids of events, conditions.
 #include <array>
 #include <string_view>
 
@@ -71,8 +71,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   read_headers(text);
   const auto query = http::parse_query(text);
   if (!query) return 0;
-  for (const api::Door door : {api::Door::reconstruct, api::Door::jobs}) {
-    const auto submission = api::read_submission(*query, door, {std::chrono::seconds(60), true});
+  for (const api::Endpoint endpoint : {api::Endpoint::reconstruct, api::Endpoint::jobs}) {
+    const auto submission = api::read_submission(*query, endpoint, {std::chrono::seconds(60), true});
     if (!submission) check_error(submission.error());
   }
   return 0;

@@ -8,6 +8,6 @@ namespace surfaced::api {
 
 /// Who asks, with the trace context and the idempotency key that the request carries.
 /// @return  invalid_request for an Idempotency-Key that is empty, longer than 255 characters or not printable.
-Result<RequestMark> mark_of(const http::Request& request);
+Result<RequestContext> context_of(const http::Request& request);
 
 }  // namespace surfaced::api

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "access/gate.hpp"
+#include "access/access_filter.hpp"
 
 #include <algorithm>
 #include <array>
@@ -47,7 +47,7 @@ std::string bearer_of(const Request& request) {
 
 }  // namespace
 
-Status Gate::open() {
+Status AccessFilter::open() {
   if (rules_.keys.empty()) return Done{};
   auto loaded = KeyRing::load(rules_.keys);
   if (!loaded) return std::move(loaded).error();
@@ -58,7 +58,7 @@ Status Gate::open() {
   return Done{};
 }
 
-std::shared_ptr<const KeyRing> Gate::ring() {
+std::shared_ptr<const KeyRing> AccessFilter::ring() {
   const std::scoped_lock lock(mutex_);
   const auto time = std::chrono::steady_clock::now();
   if (time - looked_ < kLookAgain) return ring_;
@@ -76,7 +76,7 @@ std::shared_ptr<const KeyRing> Gate::ring() {
   return ring_;
 }
 
-std::optional<Response> Gate::refuse(Request& request, std::string_view route) {
+std::optional<Response> AccessFilter::refuse(Request& request, std::string_view route) {
   request.remote_address = client_address(request.remote_address, request.headers, rules_.trusted_proxies);
   if (rules_.browsers) {
     if (const auto error = rules_.browsers->refuse(request)) return http::problem_response(*error, request);
@@ -88,7 +88,7 @@ std::optional<Response> Gate::refuse(Request& request, std::string_view route) {
                     rules_.submissions_per_minute);
 }
 
-std::optional<Response> Gate::check_key(Request& request, std::string_view route) {
+std::optional<Response> AccessFilter::check_key(Request& request, std::string_view route) {
   const auto keys = ring();
   const std::string text = bearer_of(request);
   const Key* const key = keys->find(text);
@@ -110,15 +110,16 @@ std::optional<Response> Gate::check_key(Request& request, std::string_view route
   return std::nullopt;
 }
 
-std::optional<Response> Gate::check_pace(const Request& request, std::string_view route, const std::string& client,
-                                         std::uint64_t requests, std::uint64_t submissions) {
+std::optional<Response> AccessFilter::check_pace(const Request& request, std::string_view route,
+                                                 const std::string& client, std::uint64_t requests,
+                                                 std::uint64_t submissions) {
   if (auto slower = count(request, client, "requests", requests)) return slower;
   if (!takes_space(request, route)) return std::nullopt;
   return count(request, "submissions of " + client, "submissions (clouds, uploads and jobs)", submissions);
 }
 
-std::optional<Response> Gate::count(const Request& request, const std::string& client, const char* what,
-                                    std::uint64_t per_minute) {
+std::optional<Response> AccessFilter::count(const Request& request, const std::string& client, const char* what,
+                                            std::uint64_t per_minute) {
   if (per_minute == 0) return std::nullopt;
   const auto wait = pace_.take(client, per_minute, std::chrono::steady_clock::now());
   if (!wait) return std::nullopt;
@@ -128,7 +129,7 @@ std::optional<Response> Gate::count(const Request& request, const std::string& c
   return response;
 }
 
-std::optional<Error> Gate::check_scope(const Request& request, const Key& key, std::string_view route) const {
+std::optional<Error> AccessFilter::check_scope(const Request& request, const Key& key, std::string_view route) const {
   const bool reads = request.method == "GET" || request.method == "HEAD";
   const char* needed = reads ? "read" : "submit";
   bool permitted = reads ? key.scopes.read : key.scopes.submit;
@@ -142,7 +143,7 @@ std::optional<Error> Gate::check_scope(const Request& request, const Key& key, s
                                          key.id + " has not got it"};
 }
 
-std::optional<Error> Gate::check_owner(const Request& request, std::string_view route) {
+std::optional<Error> AccessFilter::check_owner(const Request& request, std::string_view route) {
   if (request.caller.all) return std::nullopt;
   if (!route.starts_with("/v1/jobs/{id}") && !route.starts_with("/jobs/{id}")) return std::nullopt;
   const auto owner = jobs_.owner_of(request.path_parts.at("id"));
@@ -152,7 +153,7 @@ std::optional<Error> Gate::check_owner(const Request& request, std::string_view 
   return no_such_job(request.path_parts.at("id"));
 }
 
-std::optional<Error> Gate::check_quota(const Request& request, const Key& key, std::string_view route) {
+std::optional<Error> AccessFilter::check_quota(const Request& request, const Key& key, std::string_view route) {
   const Allowance allowance{key.quota.active_jobs, key.quota.stored_bytes};
   if ((allowance.active_jobs == 0 && allowance.bytes == 0) || !takes_space(request, route)) return std::nullopt;
   const auto holding = jobs_.holding_of(key.id);
@@ -161,12 +162,12 @@ std::optional<Error> Gate::check_quota(const Request& request, const Key& key, s
   return may ? std::nullopt : std::optional(may.error());
 }
 
-bool Gate::is_allowed(std::string_view origin) const {
+bool AccessFilter::is_allowed(std::string_view origin) const {
   return std::ranges::any_of(rules_.cors_origins,
                              [&](const std::string& each) { return each == "*" || each == origin; });
 }
 
-std::optional<Response> Gate::preflight(const Request& request) const {
+std::optional<Response> AccessFilter::preflight(const Request& request) const {
   const auto origin = request.headers.find("Origin");
   if (request.method != "OPTIONS" || !origin || !request.headers.find("Access-Control-Request-Method")) return {};
   if (!is_allowed(*origin)) return {};
@@ -182,7 +183,7 @@ std::optional<Response> Gate::preflight(const Request& request) const {
   return response;
 }
 
-void Gate::decorate(const Request& request, Response& response) const {
+void AccessFilter::decorate(const Request& request, Response& response) const {
   const auto origin = request.headers.find("Origin");
   if (rules_.cors_origins.empty()) return;
   response.headers.add("Vary", "Origin");

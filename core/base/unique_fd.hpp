@@ -7,8 +7,8 @@
 
 namespace surfaced {
 
-/// Owns a file descriptor. Every descriptor of the server is opened with O_CLOEXEC, so that no child
-/// process inherits one by accident.
+/// Owns a file descriptor. Every descriptor is opened with O_CLOEXEC, so that no child process inherits one by
+/// accident.
 class UniqueFd {
  public:
   UniqueFd() = default;

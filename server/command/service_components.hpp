@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "access/gate.hpp"
+#include "access/access_filter.hpp"
 #include "api/job_service.hpp"
 #include "api/routes.hpp"
 #include "clouds/cloud_service.hpp"
@@ -18,8 +18,8 @@
 
 namespace surfaced {
 
-/// What the doors stand on.
-struct Ground {
+/// What the components stand on.
+struct Dependencies {
   JobStore& jobs;
   ArtifactStore& artifacts;
   JobEvents& events;
@@ -28,16 +28,16 @@ struct Ground {
 };
 
 /// Everything of the service between the router and the stores, put together for `surfaced serve`.
-class Doors {
+class ServiceComponents {
  public:
   /// invalid_usage for settings that cannot be met, and what the stores say.
-  static Result<std::unique_ptr<Doors>> open(const Ground& ground, const Settings& settings);
-  Doors(const Doors&) = delete;
-  Doors& operator=(const Doors&) = delete;
-  ~Doors() { stop(); }
+  static Result<std::unique_ptr<ServiceComponents>> open(const Dependencies& dependencies, const Settings& settings);
+  ServiceComponents(const ServiceComponents&) = delete;
+  ServiceComponents& operator=(const ServiceComponents&) = delete;
+  ~ServiceComponents() { stop(); }
 
-  /// Adds the routes, with the gate before them.
-  void hang(http::Router& router, std::function<std::string()> metrics);
+  /// Adds the routes, with the access filter before them.
+  void add_routes(http::Router& router, std::function<std::string()> metrics);
 
   api::JobService& service() { return service_; }
 
@@ -47,8 +47,8 @@ class Doors {
   void stop();
 
  private:
-  Doors(const Ground& ground, const Settings& settings, std::unique_ptr<CloudStore> clouds,
-        std::unique_ptr<UploadStore> uploads, std::unique_ptr<DeliveryStore> deliveries);
+  ServiceComponents(const Dependencies& dependencies, const Settings& settings, std::unique_ptr<CloudStore> clouds,
+                    std::unique_ptr<UploadStore> uploads, std::unique_ptr<DeliveryStore> deliveries);
 
   const Settings settings_;
   std::unique_ptr<CloudStore> cloud_store_;
@@ -61,7 +61,7 @@ class Doors {
   UploadFinishing finishing_;
   Renditions renditions_;
   api::JobService service_;
-  Gate gate_;
+  AccessFilter access_;
   std::unique_ptr<WebhookSender> webhooks_;
 };
 

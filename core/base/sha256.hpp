@@ -3,10 +3,9 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
-
-#include "base/base.hpp"
 
 struct evp_md_ctx_st;
 
@@ -30,7 +29,7 @@ class Sha256 {
 /// Bytes as lower-case hexadecimal digits.
 std::string to_hex(std::span<const std::byte> bytes);
 
-/// SHA-256 of an open file, read from its beginning.
-Result<std::string> sha256_of_file(int fd);
+/// SHA-256 of an open file, read from its beginning; none, with errno, if it cannot be read.
+std::optional<std::string> sha256_of_file(int fd);
 
 }  // namespace surfaced

@@ -19,7 +19,7 @@
 namespace surfaced {
 
 /// Who may come in, and how often.
-struct GateRules {
+struct AccessRules {
   /// Empty: nobody needs a key, and everybody sees everything.
   std::filesystem::path keys;
   /// Requests a minute of a client without a key, by address; 0 for no limit. Loopback has none.
@@ -36,9 +36,9 @@ struct GateRules {
 
 /// Stands before every handler, behind the routing: finds the caller by his key, counts his requests, holds him to his
 /// scopes, his quota and his own jobs, and speaks CORS. Handlers need not think of any of it.
-class Gate final : public http::Gate {
+class AccessFilter final : public http::RequestFilter {
  public:
-  Gate(GateRules rules, JobStore& jobs) : rules_(std::move(rules)), jobs_(jobs) {}
+  AccessFilter(AccessRules rules, JobStore& jobs) : rules_(std::move(rules)), jobs_(jobs) {}
 
   /// Reads the keys for the first time; invalid_usage.
   Status open();
@@ -63,7 +63,7 @@ class Gate final : public http::Gate {
   std::optional<Error> check_owner(const http::Request& request, std::string_view route);
   bool is_allowed(std::string_view origin) const;
 
-  const GateRules rules_;
+  const AccessRules rules_;
   JobStore& jobs_;
   Pace pace_;
   std::mutex mutex_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "command/doors.hpp"
+#include "command/service_components.hpp"
 
 #include <fstream>
 
@@ -59,7 +59,8 @@ Status check_exposure(const Settings& settings, std::string_view host) {
                    "(surfaced keys add FILE), or --allow-anonymous yes if everybody may come in"};
 }
 
-Result<std::unique_ptr<Doors>> Doors::open(const Ground& ground, const Settings& settings) {
+Result<std::unique_ptr<ServiceComponents>> ServiceComponents::open(const Dependencies& dependencies,
+                                                                   const Settings& settings) {
   const auto database = settings.data / "jobs.sqlite";
   auto clouds = open_sqlite_cloud_store(database);
   if (!clouds) return std::move(clouds).error();
@@ -68,41 +69,43 @@ Result<std::unique_ptr<Doors>> Doors::open(const Ground& ground, const Settings&
   if (!uploads) return std::move(uploads).error();
   auto deliveries = open_sqlite_delivery_store(database);
   if (!deliveries) return std::move(deliveries).error();
-  std::unique_ptr<Doors> doors(
-      new Doors(ground, settings, std::move(*clouds), std::move(*uploads), std::move(*deliveries)));
-  if (Status opened = doors->gate_.open(); !opened.ok()) return opened.error();
-  if (settings.webhook_secret.empty()) return doors;
+  std::unique_ptr<ServiceComponents> components(
+      new ServiceComponents(dependencies, settings, std::move(*clouds), std::move(*uploads), std::move(*deliveries)));
+  if (Status opened = components->access_.open(); !opened.ok()) return opened.error();
+  if (settings.webhook_secret.empty()) return components;
   const auto secret = read_secret(settings.webhook_secret);
   if (!secret) return secret.error();
-  doors->webhooks_ = std::make_unique<WebhookSender>(
-      *doors->deliveries_, ground.jobs,
+  components->webhooks_ = std::make_unique<WebhookSender>(
+      *components->deliveries_, dependencies.jobs,
       WebhookOptions{*secret, settings.webhook_private == "yes", settings.webhook_certificates.string()}, webhook_body);
-  return doors;
+  return components;
 }
 
-Doors::Doors(const Ground& ground, const Settings& settings, std::unique_ptr<CloudStore> clouds,
-             std::unique_ptr<UploadStore> uploads, std::unique_ptr<DeliveryStore> deliveries)
+ServiceComponents::ServiceComponents(const Dependencies& dependencies, const Settings& settings,
+                                     std::unique_ptr<CloudStore> clouds, std::unique_ptr<UploadStore> uploads,
+                                     std::unique_ptr<DeliveryStore> deliveries)
     : settings_(settings),
       cloud_store_(std::move(clouds)),
       uploads_(std::move(uploads)),
       deliveries_(std::move(deliveries)),
-      inspecting_(ground.artifacts, {kThisProgram, kInspectCommand}, ground.limits),
-      converting_(ground.artifacts, {kThisProgram, kConvertCommand}, ground.limits),
-      inspector_(*cloud_store_, ground.artifacts, inspecting_),
-      clouds_(*cloud_store_, ground.artifacts, inspector_),
-      finishing_(*uploads_, ground.artifacts, clouds_),
-      renditions_(ground.jobs, ground.artifacts, converting_),
-      service_(ground.jobs, ground.artifacts, clouds_, renditions_, ground.events, ground.scheduler),
-      gate_({settings.keys, settings.rate_limit, settings.submission_rate_limit, proxies_in(settings),
-             api::split_list(settings.cors_origins), browser_guard(settings)},
-            ground.jobs) {}
+      inspecting_(dependencies.artifacts, {kThisProgram, kInspectCommand}, dependencies.limits),
+      converting_(dependencies.artifacts, {kThisProgram, kConvertCommand}, dependencies.limits),
+      inspector_(*cloud_store_, dependencies.artifacts, inspecting_),
+      clouds_(*cloud_store_, dependencies.artifacts, inspector_),
+      finishing_(*uploads_, dependencies.artifacts, clouds_),
+      renditions_(dependencies.jobs, dependencies.artifacts, converting_),
+      service_(dependencies.jobs, dependencies.artifacts, clouds_, renditions_, dependencies.events,
+               dependencies.scheduler),
+      access_({settings.keys, settings.rate_limit, settings.submission_rate_limit, proxies_in(settings),
+               api::split_list(settings.cors_origins), browser_guard(settings)},
+              dependencies.jobs) {}
 
-void Doors::hang(http::Router& router, std::function<std::string()> metrics) {
+void ServiceComponents::add_routes(http::Router& router, std::function<std::string()> metrics) {
   const api::SubmissionRules rules{std::chrono::seconds(settings_.ttl), webhooks_ != nullptr};
   const auto streams =
-      std::make_shared<http::Places>("event streams are open", settings_.streams, settings_.streams_per_client);
+      std::make_shared<http::Permits>("event streams are open", settings_.streams, settings_.streams_per_client);
   const auto waits =
-      std::make_shared<http::Places>("requests wait for an answer", settings_.waits, settings_.waits_per_client);
+      std::make_shared<http::Permits>("requests wait for an answer", settings_.waits, settings_.waits_per_client);
   const api::RouteOptions options{std::chrono::seconds(settings_.wait_limit),
                                   rules,
                                   settings_.body_limit,
@@ -110,12 +113,12 @@ void Doors::hang(http::Router& router, std::function<std::string()> metrics) {
                                   streams,
                                   waits,
                                   std::move(metrics)};
-  router.guard(gate_);
+  router.set_filter(access_);
   api::add_routes(router, service_, clouds_, finishing_, options);
   api::add_delivery_routes(router, service_, *deliveries_);
 }
 
-void Doors::start() {
+void ServiceComponents::start() {
   inspector_.start();
   uploads_->sweep();
   finishing_.start();
@@ -123,7 +126,7 @@ void Doors::start() {
   if (webhooks_) webhooks_->start();
 }
 
-void Doors::sweep() {
+void ServiceComponents::sweep() {
   uploads_->sweep();
   finishing_.wake();
   if (settings_.cloud_time == 0) return;
@@ -132,7 +135,7 @@ void Doors::sweep() {
   if (removed && *removed > 0) log(LogLevel::info, "removed clouds that nobody uses", {{"clouds", *removed}});
 }
 
-void Doors::stop() {
+void ServiceComponents::stop() {
   renditions_.stop();
   finishing_.stop();
   inspector_.stop();

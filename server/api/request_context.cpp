@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/mark.hpp"
+#include "api/request_context.hpp"
 
 #include <algorithm>
 
@@ -21,10 +21,10 @@ std::string traceparent_of(const http::Request& request) {
 
 }  // namespace
 
-Result<RequestMark> mark_of(const http::Request& request) {
-  RequestMark mark{request.request_id, traceparent_of(request), request.caller};
+Result<RequestContext> context_of(const http::Request& request) {
+  RequestContext context{request.request_id, traceparent_of(request), request.caller};
   const auto key = request.headers.find("Idempotency-Key");
-  if (!key) return mark;
+  if (!key) return context;
   std::string_view text = *key;
   // The draft asks for a quoted string; most clients send the bare text.
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
@@ -35,8 +35,8 @@ Result<RequestMark> mark_of(const http::Request& request) {
                                          " characters; allowed are, once, 1 to 255 printable ones of ASCII"},
         {"Idempotency-Key", std::string(text.substr(0, kLongestKey)), "once, 1 to 255 printable characters of ASCII"});
   }
-  mark.idempotency_key = text;
-  return mark;
+  context.idempotency_key = text;
+  return context;
 }
 
 }  // namespace surfaced::api

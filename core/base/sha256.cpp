@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "platform/sha256.hpp"
+#include "base/sha256.hpp"
 
 #include <openssl/evp.h>
 #include <unistd.h>
@@ -7,9 +7,8 @@
 #include <array>
 #include <cerrno>
 #include <new>
+#include <string_view>
 #include <vector>
-
-#include "platform/files.hpp"
 
 namespace surfaced {
 
@@ -38,14 +37,14 @@ std::string to_hex(std::span<const std::byte> bytes) {
   return text;
 }
 
-Result<std::string> sha256_of_file(int fd) {
+std::optional<std::string> sha256_of_file(int fd) {
   Sha256 sha;
   std::vector<std::byte> buffer(std::size_t{256} << 10);
   off_t offset = 0;
   for (;;) {
     const ssize_t count = ::pread(fd, buffer.data(), buffer.size(), offset);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return system_error("read a file", errno);
+    if (count < 0) return std::nullopt;
     if (count == 0) return sha.finish();
     sha.update(std::span(buffer).first(static_cast<std::size_t>(count)));
     offset += count;
