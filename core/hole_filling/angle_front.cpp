@@ -18,9 +18,9 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kNarrow = 75 * kDegree;
 constexpr double kWide = 135 * kDegree;
 constexpr double kEquilateral = 60 * kDegree;
-/// A new point merges with the front within this share of the mean edge.
+/// A new point merges with the front within this share of the spacing.
 constexpr double kMerging = 0.5;
-/// How far around a new point the front is looked at, in mean edges.
+/// How far around a new point the front is looked at, in spacings.
 constexpr double kSight = 1.5;
 /// A triangle that joins parts of the front faces its side within this cosine.
 constexpr double kLeastCosine = 0.2;
@@ -47,11 +47,12 @@ class AngleFront {
       : hole_(hole), corners_(hole.corners.size()), most_points_(corners_ + most_points) {
     patch_.points = hole.corners;
     normals_ = hole.normals;
+    spacings_ = hole.spacings;
   }
 
   std::optional<Patch> operator()() {
     begin();
-    const std::size_t most_steps = corners_ * corners_;
+    const std::size_t most_steps = std::max(corners_ * corners_, most_points_);
     for (std::size_t step = 0; !queue_.empty(); ++step) {
       const std::uint32_t at = std::get<2>(*queue_.begin());
       if (step == most_steps || patch_.points.size() > most_points_) return std::nullopt;
@@ -71,7 +72,6 @@ class AngleFront {
   void begin() {
     const auto n = static_cast<std::uint32_t>(corners_);
     for (std::uint32_t i = 0; i < n; ++i) nodes_.push_back({i, (i + n - 1) % n, (i + 1) % n, 0, 0, true, false});
-    for (std::uint32_t i = 0; i < n; ++i) rim_mean_ += norm(point(nodes_[i].next) - point(i)) / n;
     face_fronts(0);
   }
 
@@ -161,13 +161,7 @@ class AngleFront {
     return true;
   }
 
-  /// How long new edges become: halfway between the paper's local lengths and the mean of the hole's rim. With the
-  /// local ones alone, short edges breed short edges and a jagged rim gets several times the triangles it lost.
-  double tempered(double local) const { return (local + rim_mean_) / 2; }
-
-  double mean_edge(std::uint32_t v) const {
-    return tempered((norm(point(nodes_[v].next) - point(v)) + norm(point(nodes_[v].previous) - point(v))) / 2);
-  }
+  double spacing(std::uint32_t node) const { return spacings_[nodes_[node].vertex]; }
 
   /// A direction in the plane at v, turned from the next edge by `angle`.
   Point3 into_hole(std::uint32_t v, double angle) const {
@@ -176,11 +170,12 @@ class AngleFront {
     return turned(direction_of(along).value_or(along), normal, std::cos(angle), std::sin(angle));
   }
 
-  /// Rule (b): a point on the bisector at mean length, two triangles.
+  /// Rule (b): a point on the bisector, two triangles. The paper's new edges have the mean length of the two at the
+  /// front, which short edges make shorter and stretched ones longer; ours the spacing there.
   bool add_one(std::uint32_t v) {
-    const Point3 q = point(v) + mean_edge(v) * into_hole(v, nodes_[v].angle / 2);
+    const Point3 q = point(v) + spacing(v) * into_hole(v, nodes_[v].angle / 2);
     const std::uint32_t p = nodes_[v].previous;
-    const std::uint32_t apex = apex_near(p, q, mean_edge(v));
+    const std::uint32_t apex = apex_near(p, q, spacing(v));
     if (apex == kNobody) return false;
     glue(p, apex);
     // Now v lies between the apex and n, unless the apex was n.
@@ -192,8 +187,8 @@ class AngleFront {
   bool add_two(std::uint32_t v) {
     const std::uint32_t p = nodes_[v].previous;
     const double whole = nodes_[v].angle;
-    const double before = tempered(norm(point(p) - point(v)));
-    const double after = tempered(norm(point(nodes_[v].next) - point(v)));
+    const double before = (spacing(p) + spacing(v)) / 2;
+    const double after = (spacing(v) + spacing(nodes_[v].next)) / 2;
     const Point3 q2 = point(v) + after * into_hole(v, kEquilateral);
     const Point3 q1 = point(v) + before * into_hole(v, whole - kEquilateral);
     bool done = false;
@@ -271,6 +266,7 @@ class AngleFront {
     const auto vertex = static_cast<std::uint32_t>(patch_.points.size());
     patch_.points.push_back(q);
     normals_.push_back({});
+    spacings_.push_back((spacing(a) + spacing(nodes_[a].next)) / 2);
     nodes_.push_back({vertex, kNobody, kNobody, nodes_[a].front, 0, true, false});
     return static_cast<std::uint32_t>(nodes_.size() - 1);
   }
@@ -351,10 +347,10 @@ class AngleFront {
   const Hole& hole_;
   std::size_t corners_;
   std::size_t most_points_;
-  double rim_mean_ = 0;
   Patch patch_;
   /// At corners the mesh's normals, at new points the sum of their triangles'.
   std::vector<Point3> normals_;
+  std::vector<double> spacings_;
   std::vector<Node> nodes_;
   std::vector<Point3> facings_;
   std::set<std::tuple<double, std::uint32_t, std::uint32_t>> queue_;

@@ -11,7 +11,7 @@ namespace surfaced::filling {
 /// Covers the hole by paper 3's advancing front (§3.3, figure 2): at the front vertex with the smallest angle one, two
 /// or three triangles.
 /// @param most_points  how many new points it may take.
-/// @return  the patch; none if the front stops, or after (perimeter / mean edge)² = n² steps.
+/// @return  the patch; none if the front stops, or after the larger of n² and most_points + n steps.
 std::optional<Patch> cover_by_angles(const Hole& hole, std::size_t most_points);
 
 }  // namespace surfaced::filling

@@ -77,6 +77,7 @@ class Tracing {
       const HalfEdgeIndex edge = chain[static_cast<std::size_t>((least - chain.begin() - i - 1 + 2 * n) % n)];
       loop.corners.push_back(tail(corner));
       loop.beyond.push_back(tail(HalfEdges::previous(edge)));
+      loop.behind.push_back(edge);
     }
     if (chain.size() < 3 || head(chain.back()) != tail(chain.front())) {
       loop.obstacle = "it runs into an edge of more than two triangles, or of two that disagree in orientation";

@@ -15,6 +15,8 @@ struct BoundaryLoop {
   std::vector<VertexIndex> corners;
   /// Third vertex of the face beyond edge i -> i+1.
   std::vector<VertexIndex> beyond;
+  /// That face's half-edge i+1 -> i.
+  std::vector<HalfEdgeIndex> behind;
   /// Why it cannot be filled without making the mesh non-manifold; empty if it can.
   std::string obstacle;
 };

@@ -9,10 +9,11 @@
 
 #include "base/vectors.hpp"
 #include "hole_filling/angle_front.hpp"
+#include "hole_filling/attributes.hpp"
 #include "hole_filling/boundary_loops.hpp"
+#include "hole_filling/cutting_back.hpp"
 #include "hole_filling/hole_filling.hpp"
-#include "hole_filling/library_patch.hpp"
-#include "hole_filling/refinement.hpp"
+#include "hole_filling/ways.hpp"
 #include "mesh/area_normal.hpp"
 #include "quality/quality.hpp"
 
@@ -20,40 +21,15 @@ namespace surfaced {
 namespace filling {
 namespace {
 
-/// Longest loop that is small.
-constexpr std::size_t kSmall = 30;
-/// Longest loops that the advancing front and the library are given; their cost grows faster than the hole.
-constexpr std::size_t kLongestForAngles = 4000;
-constexpr std::size_t kLongestForLibrary = 1000;
-/// New points that a hole of n corners may take: a flat disc with n edges around it has n²/11 points as dense.
-constexpr std::size_t kShareOfSquare = 4;
-constexpr std::size_t kAlwaysAllowed = 100;
+/// A front's edges are as long as it is told or shorter, where points merge or meet: with this factor its points are as
+/// dense as the vertices around (measured from points, `holes_from_points.py`).
+constexpr double kFrontEdge = 1.1;
 /// Share of its component's area above which a hole is no hole but the component's outside.
 constexpr double kLargestShare = 0.5;
 
 std::uint64_t key_of(VertexIndex a, VertexIndex b) {
   return (std::uint64_t{std::min(a, b).value} << 32U) | std::max(a, b).value;
 }
-
-enum class Cover : std::uint8_t { angles, library, corners };
-
-/// How a hole is filled: what covers it, and how far its new points go from the membrane over the rim to where the
-/// surface around it leads.
-struct Way {
-  Cover cover;
-  double share;
-};
-
-/// In the order in which they are tried.
-constexpr auto kWays = std::to_array<Way>({{Cover::angles, 1},
-                                           {Cover::angles, 0.75},
-                                           {Cover::angles, 0.5},
-                                           {Cover::angles, 0.25},
-                                           {Cover::angles, 0},
-                                           {Cover::library, 1},
-                                           {Cover::library, 0.5},
-                                           {Cover::library, 0},
-                                           {Cover::corners, 0}});
 
 /// One hole on its way.
 struct Attempt {
@@ -72,15 +48,34 @@ struct Attempt {
 
 class Filling {
  public:
-  Filling(TriangleMesh& mesh, const FillParameters& parameters, Context& context)
-      : mesh_(mesh), parameters_(parameters), context_(context) {}
+  Filling(TriangleMesh& mesh, Spacings* spacings, const FillParameters& parameters, Context& context)
+      : mesh_(mesh), spacings_(spacings), parameters_(parameters), context_(context), loops_(boundary_loops(mesh)) {
+    report_.loops = loops_.size();
+    if (loops_.empty()) return;
+    survey();
+    for (const BoundaryLoop& loop : loops_) attempts_.push_back(attempt_at(loop));
+  }
+
+  const std::vector<BoundaryLoop>& loops() const { return loops_; }
+
+  /// Which of the loops are holes to be filled.
+  std::vector<bool> holes() const {
+    std::vector<bool> holes;
+    for (const Attempt& attempt : attempts_) holes.push_back(attempt.reason.empty());
+    return holes;
+  }
+
+  /// Those of the loops that stay, once it has run.
+  std::unordered_set<std::uint32_t> vertices_left_open() const {
+    std::unordered_set<std::uint32_t> vertices;
+    for (const Attempt& attempt : attempts_) {
+      if (attempt.settled) continue;
+      for (const VertexIndex v : attempt.loop->corners) vertices.insert(v.value);
+    }
+    return vertices;
+  }
 
   Result<FillReport> operator()() {
-    const std::vector<BoundaryLoop> loops = boundary_loops(mesh_);
-    report_.loops = loops.size();
-    if (loops.empty()) return std::move(report_);
-    survey(loops);
-    for (const BoundaryLoop& loop : loops) attempts_.push_back(attempt_at(loop));
     while (std::ranges::any_of(attempts_, [](const Attempt& a) { return a.reason.empty() && !a.settled; })) {
       if (Status tried = try_next_ways(); !tried) return std::move(tried).error();
       take_back_what_crosses();
@@ -91,8 +86,8 @@ class Filling {
 
  private:
   /// What is needed of the mesh around the loops: normals, edges between boundary vertices, areas of components.
-  void survey(const std::vector<BoundaryLoop>& loops) {
-    for (const BoundaryLoop& loop : loops) {
+  void survey() {
+    for (const BoundaryLoop& loop : loops_) {
       for (const VertexIndex v : loop.corners) normals_.emplace(v.value, Point3{});
     }
     const Components components = components_of(mesh_);
@@ -144,7 +139,7 @@ class Filling {
       context_.report(static_cast<double>(i + 1) / static_cast<double>(attempts_.size()));
       if (!attempt.reason.empty() || attempt.settled) continue;
       while (!attempt.patch && attempt.way < kWays.size()) {
-        attempt.patch = patch_by(kWays.at(attempt.way), attempt.hole);
+        attempt.patch = cover(attempt.hole, kWays.at(attempt.way), parameters_.rotation);
         if (!attempt.patch) ++attempt.way;
       }
       if (attempt.patch) {
@@ -156,30 +151,6 @@ class Filling {
     return Done{};
   }
 
-  std::optional<Patch> patch_by(const Way& way, const Hole& hole) const {
-    const std::size_t n = hole.corners.size();
-    if (way.cover == Cover::corners) return n <= kSmall ? cover_by_corners(hole) : std::nullopt;
-    const bool by_angles = way.cover == Cover::angles;
-    if (n > (by_angles ? kLongestForAngles : kLongestForLibrary)) return std::nullopt;
-    std::optional<Patch> patch =
-        by_angles ? cover_by_angles(hole, kAlwaysAllowed + n * n / kShareOfSquare) : cover_by_library(hole);
-    if (!patch) return patch;
-    if (way.share == 1) {
-      refine(*patch, hole, parameters_.rotation);
-      return patch;
-    }
-    Patch led = *patch;
-    refine(*patch, hole, Rotation::none);
-    if (way.share == 0) return patch;
-    refine(led, hole, parameters_.rotation);
-    for (std::size_t i = n; i < patch->points.size(); ++i) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        patch->points[i][axis] += way.share * (led.points[i][axis] - patch->points[i][axis]);
-      }
-    }
-    return patch;
-  }
-
   std::string why_not(std::size_t corners) const {
     if (parameters_.holes == FillParameters::Holes::small) {
       return "no triangles between its corners close it without folds, crossings or edges of three triangles";
@@ -187,16 +158,6 @@ class Filling {
     return "no surface covers it without crossing another: not that of the advancing front (up to " +
            std::to_string(kLongestForAngles) + " edges), of the library (up to " + std::to_string(kLongestForLibrary) +
            ") or between its corners (up to " + std::to_string(kSmall) + "); it has " + std::to_string(corners);
-  }
-
-  static std::optional<Patch> cover_by_corners(const Hole& hole) {
-    LoopLimits limits;
-    limits.may_join = [&](std::size_t i, std::size_t j) {
-      return !hole.joined(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
-    };
-    auto triangles = triangulate_loop({hole.corners, hole.beyond}, limits);
-    if (!triangles) return std::nullopt;
-    return Patch{hole.corners, std::move(*triangles)};
   }
 
   /// Other holes must not join the same corners.
@@ -252,7 +213,7 @@ class Filling {
     }
     ++report_.filled;
     if (kWays.at(attempt.way).cover == Cover::library) ++report_.filled_by_library;
-    append_attributes(loop, *attempt.patch);
+    append_attributes(mesh_, loop, *attempt.patch);
     append_surface(mesh_, attempt);
     report_.vertices_added += attempt.patch->points.size() - loop.corners.size();
     report_.triangles_added += attempt.patch->triangles.size();
@@ -277,10 +238,24 @@ class Filling {
       hole.normals.push_back(normals_.at(loop.corners[i].value));
       hole.beyond.push_back(mesh_.positions[loop.beyond[i]]);
     }
+    set_spacings(hole, loop);
     hole.joined = [this, &loop](std::uint32_t i, std::uint32_t j) {
       return edges_.contains(key_of(loop.corners[i], loop.corners[j]));
     };
     return hole;
+  }
+
+  /// Where nothing is known around a corner, the mean edge of the rim.
+  void set_spacings(Hole& hole, const BoundaryLoop& loop) const {
+    const std::size_t n = loop.corners.size();
+    double mean = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      mean += norm(hole.corners[(i + 1) % n] - hole.corners[i]) / static_cast<double>(n);
+    }
+    for (const VertexIndex v : loop.corners) {
+      const double spacing = spacings_ == nullptr ? 0 : spacings_->at(v);
+      hole.spacings.push_back(kFrontEdge * (spacing > 0 ? spacing : mean));
+    }
   }
 
   /// The area of the cone over the loop stands for the hole's.
@@ -298,40 +273,12 @@ class Filling {
            std::to_string(whole);
   }
 
-  /// Normals and colours of the new vertices.
-  void append_attributes(const BoundaryLoop& loop, const Patch& patch) {
-    const std::size_t corners = loop.corners.size();
-    if (patch.points.size() == corners) return;
-    const auto spread = [&](const auto& value) {
-      std::vector<Point3> known;
-      for (const VertexIndex v : loop.corners) known.push_back(value(v));
-      return spread_harmonically(patch, known);
-    };
-    if (!mesh_.normals.empty()) {
-      const auto normals = spread([&](VertexIndex v) -> Point3 {
-        const Normal3& n = mesh_.normals[v];
-        return {n[0], n[1], n[2]};
-      });
-      for (std::size_t i = corners; i < normals.size(); ++i) {
-        const Point3 n = direction_of(normals[i]).value_or(Point3{0, 0, 1});
-        mesh_.normals.push_back({static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])});
-      }
-    }
-    if (mesh_.colors.empty()) return;
-    const auto colours = spread([&](VertexIndex v) -> Point3 {
-      const Color4& c = mesh_.colors[v];
-      return {static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
-    });
-    const auto opacities = spread([&](VertexIndex v) -> Point3 { return {double(mesh_.colors[v][3]), 0, 0}; });
-    const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); };
-    for (std::size_t i = corners; i < colours.size(); ++i) {
-      mesh_.colors.push_back({byte(colours[i][0]), byte(colours[i][1]), byte(colours[i][2]), byte(opacities[i][0])});
-    }
-  }
-
   TriangleMesh& mesh_;
+  /// None where holes are small.
+  Spacings* spacings_;
   const FillParameters& parameters_;
   Context& context_;
+  std::vector<BoundaryLoop> loops_;
   FillReport report_;
   std::vector<Attempt> attempts_;
   /// Of boundary vertices: normals weighted by angles, and components.
@@ -342,12 +289,48 @@ class Filling {
   std::unordered_set<std::uint64_t> edges_;
 };
 
+/// Cuts that no patch has taken the place of, because their hole stays.
+bool in_vain(const TriangleMesh& mesh, const Cut& cut, const std::unordered_set<std::uint32_t>& left) {
+  return std::ranges::any_of(cut.triangles, [&](std::uint32_t t) {
+    return std::ranges::any_of(mesh.triangles[t], [&](VertexIndex v) { return left.contains(v.value); });
+  });
+}
+
+/// Cuts back what is stretched around the holes, and fills them; where a hole cannot be filled then, what was cut there
+/// comes back, and all holes are filled anew.
+Result<FillReport> cut_and_fill(TriangleMesh& mesh, const FillParameters& parameters, Context& context) {
+  if (parameters.holes == FillParameters::Holes::small) return Filling(mesh, nullptr, parameters, context)();
+  Spacings spacings(mesh);
+  std::vector<Cut> cuts;
+  {
+    const Filling survey(mesh, &spacings, parameters, context);
+    cuts = cut_back(mesh, survey.loops(), survey.holes(), spacings);
+    if (survey.loops().empty() && cuts.empty()) return FillReport{};
+  }
+  constexpr int kMostRounds = 3;
+  for (int round = 1;; ++round) {
+    if (round == kMostRounds) cuts.clear();
+    TriangleMesh open = without(mesh, cuts);
+    Filling filling(open, &spacings, parameters, context);
+    Result<FillReport> report = filling();
+    if (!report) return report;
+    const std::unordered_set<std::uint32_t> left = filling.vertices_left_open();
+    if (std::erase_if(cuts, [&](const Cut& cut) { return in_vain(mesh, cut, left); }) > 0) continue;
+    for (const Cut& cut : cuts) {
+      report->triangles_cut += cut.triangles.size();
+      report->spans_opened += cut.spanned ? 1U : 0U;
+    }
+    mesh = std::move(open);
+    return report;
+  }
+}
+
 }  // namespace
 }  // namespace filling
 
 Result<FillReport> fill_holes(TriangleMesh& mesh, const FillParameters& parameters, Context& context) {
   try {
-    return filling::Filling(mesh, parameters, context)();
+    return filling::cut_and_fill(mesh, parameters, context);
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::out_of_memory, "no memory left to fill the holes of a mesh of " +
                                                std::to_string(mesh.triangles.size()) + " triangles"};

@@ -59,6 +59,10 @@ struct LoopLeft {
 
 struct FillReport {
   std::size_t loops = 0;
+  /// Of those, where stretched triangles spanned a hole.
+  std::size_t spans_opened = 0;
+  /// Stretched triangles that new ones have taken the place of.
+  std::size_t triangles_cut = 0;
   std::size_t filled = 0;
   /// Of those, by CGAL's triangulation because the advancing front stopped.
   std::size_t filled_by_library = 0;
@@ -67,10 +71,11 @@ struct FillReport {
   std::vector<LoopLeft> left;
 };
 
-/// Fills holes of a mesh (paper 3, §3.3). Input vertices and triangles stay as they are; new vertices are appended,
-/// with normals and colours spread harmonically from the boundary where the mesh has them. An edge-manifold,
-/// vertex-manifold or oriented mesh stays so. Loops that would spoil that, that span half the area of their component
-/// or more, or that nothing covers, are left and reported with the reason.
+/// Fills holes of a mesh (paper 3, §3.3). Input vertices stay as they are; so do triangles, except that Holes::all
+/// first takes those away that are stretched into holes, or over them, against the spacing of the vertices around, with
+/// which it then fills. New vertices are appended, with normals and colours spread harmonically from the boundary where
+/// the mesh has them. An edge-manifold, vertex-manifold or oriented mesh stays so. Loops that would spoil that, that
+/// span half the area of their component or more, or that nothing covers, are left and reported with the reason.
 /// @return  cancelled; out_of_memory.
 /// @cost    per hole of n edges O(n) new triangles for a long one and O(n²) for a round one, times O(log n), and the
 ///          comparison of every new point with the front.

@@ -20,6 +20,8 @@ struct Hole {
   std::vector<Point3> normals;
   /// Third vertex of the face beyond edge i -> i+1.
   std::vector<Point3> beyond;
+  /// How long new edges shall be at the corners.
+  std::vector<double> spacings;
   /// Whether the mesh joins two corners already.
   std::function<bool(std::uint32_t, std::uint32_t)> joined;
 };

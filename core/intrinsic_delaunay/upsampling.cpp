@@ -60,12 +60,7 @@ std::vector<Gap> gaps_of(const TriangleMesh& mesh, double epsilon) {
 
 /// Unit normals of the vertices, zero where no triangle is.
 std::vector<Point3> normals_of(const TriangleMesh& mesh) {
-  std::vector<Point3> normals(mesh.positions.size(), Point3{});
-  for (const Triangle& t : mesh.triangles) {
-    const Point3& a = mesh.positions[t[0]];
-    const Point3 n = cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
-    for (const VertexIndex v : t) normals[v] += n;
-  }
+  std::vector<Point3> normals = area_normals_at_vertices(mesh.positions, mesh.triangles);
   for (Point3& n : normals) n = direction_of(n).value_or(Point3{});
   return normals;
 }
@@ -209,6 +204,8 @@ class Run {
 };
 
 }  // namespace
+
+std::size_t large_triangles(const TriangleMesh& mesh, double epsilon) { return gaps_of(mesh, epsilon).size(); }
 
 Result<Upsampled> upsample(PointCloud cloud, TriangleMesh mesh, double epsilon, Upsampling way,
                            const Reconstruct& reconstruct, Context& context) {

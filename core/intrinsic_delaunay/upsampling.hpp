@@ -45,6 +45,9 @@ using Reconstruct = std::function<Result<TriangleMesh>(const PointCloud&)>;
 Result<Upsampled> upsample(PointCloud cloud, TriangleMesh mesh, double epsilon, Upsampling way,
                            const Reconstruct& reconstruct, Context& context);
 
+/// Triangles whose circumradius exceeds ε, or that have no area.
+std::size_t large_triangles(const TriangleMesh& mesh, double epsilon);
+
 /// The 95th percentile of the distance to the 6th nearest neighbour.
 double automatic_epsilon(const PointCloud& cloud, Context& context);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -13,6 +15,18 @@ inline Point3 area_normal(std::span<const Point3> positions, const Triangle& t) 
   return cross(positions[t[1]] - positions[t[0]], positions[t[2]] - positions[t[0]]);
 }
 inline Point3 area_normal(const TriangleMesh& mesh, const Triangle& t) { return area_normal(mesh.positions, t); }
+
+/// Infinite for a triangle without area.
+inline double circumradius(const TriangleMesh& mesh, const Triangle& t) {
+  const Point3 normal = area_normal(mesh, t);
+  const double area2 = dot(normal, normal);
+  if (!(area2 > 0)) return std::numeric_limits<double>::infinity();
+  const auto squared_length = [&](VertexIndex a, VertexIndex b) {
+    const Point3 d = mesh.positions[b] - mesh.positions[a];
+    return dot(d, d);
+  };
+  return std::sqrt(squared_length(t[0], t[1]) * squared_length(t[1], t[2]) * squared_length(t[2], t[0]) / area2) / 2;
+}
 
 /// At every vertex the sum over its triangles.
 inline std::vector<Point3> area_normals_at_vertices(std::span<const Point3> positions,

@@ -28,16 +28,6 @@ double squared_length(const TriangleMesh& mesh, VertexIndex a, VertexIndex b) {
   return dot(d, d);
 }
 
-/// Infinite for a triangle without area.
-double circumradius(const TriangleMesh& mesh, const Triangle& t) {
-  const Point3 normal = area_normal(mesh, t);
-  const double area2 = dot(normal, normal);
-  if (!(area2 > 0)) return std::numeric_limits<double>::infinity();
-  const double lengths2 =
-      squared_length(mesh, t[0], t[1]) * squared_length(mesh, t[1], t[2]) * squared_length(mesh, t[2], t[0]);
-  return std::sqrt(lengths2 / area2) / 2;
-}
-
 /// At every vertex the second smallest circumradius of its triangles, or the only one.
 std::vector<float> circumradii_at_vertices(const TriangleMesh& mesh, const std::vector<float>& radii) {
   constexpr float kNone = std::numeric_limits<float>::infinity();
@@ -55,34 +45,6 @@ std::vector<float> circumradii_at_vertices(const TriangleMesh& mesh, const std::
   std::vector<float> result;
   result.reserve(least.size());
   for (const auto& [first, second] : least) result.push_back(second < kNone ? second : first);
-  return result;
-}
-
-/// The sets of triangles of the list that share edges, each ascending, in the order of their first.
-std::vector<std::vector<std::uint32_t>> sets_across_edges(const TriangleMesh& mesh,
-                                                          const std::vector<std::uint32_t>& list) {
-  struct Side {
-    std::pair<VertexIndex, VertexIndex> edge;
-    std::size_t at;
-  };
-  std::vector<Side> sides;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const Triangle& t = mesh.triangles[list[i]];
-    for (std::size_t k = 0; k < 3; ++k) sides.push_back({std::minmax(t[k], t[(k + 1) % 3]), i});
-  }
-  std::ranges::sort(sides,
-                    [](const Side& a, const Side& b) { return std::tie(a.edge, a.at) < std::tie(b.edge, b.at); });
-  UnionFind sets(list.size());
-  for (std::size_t s = 1; s < sides.size(); ++s) {
-    if (sides[s].edge == sides[s - 1].edge) sets.unite(sides[s - 1].at, sides[s].at);
-  }
-  std::vector<std::vector<std::uint32_t>> result;
-  std::map<std::uint32_t, std::size_t> number;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const auto [found, fresh] = number.try_emplace(sets.find(i), result.size());
-    if (fresh) result.emplace_back();
-    result[found->second].push_back(list[i]);
-  }
   return result;
 }
 
@@ -195,6 +157,33 @@ std::vector<SpannedOpening> bridges(const TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+std::vector<std::vector<std::uint32_t>> sets_across_edges(const TriangleMesh& mesh,
+                                                          const std::vector<std::uint32_t>& list) {
+  struct Side {
+    std::pair<VertexIndex, VertexIndex> edge;
+    std::size_t at;
+  };
+  std::vector<Side> sides;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Triangle& t = mesh.triangles[list[i]];
+    for (std::size_t k = 0; k < 3; ++k) sides.push_back({std::minmax(t[k], t[(k + 1) % 3]), i});
+  }
+  std::ranges::sort(sides,
+                    [](const Side& a, const Side& b) { return std::tie(a.edge, a.at) < std::tie(b.edge, b.at); });
+  UnionFind sets(list.size());
+  for (std::size_t s = 1; s < sides.size(); ++s) {
+    if (sides[s].edge == sides[s - 1].edge) sets.unite(sides[s - 1].at, sides[s].at);
+  }
+  std::vector<std::vector<std::uint32_t>> result;
+  std::map<std::uint32_t, std::size_t> number;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto [found, fresh] = number.try_emplace(sets.find(i), result.size());
+    if (fresh) result.emplace_back();
+    result[found->second].push_back(list[i]);
+  }
+  return result;
+}
 
 std::vector<SpannedOpening> spanned_openings(const TriangleMesh& mesh) {
   const Scales scales(mesh);

@@ -16,6 +16,12 @@ struct SpannedOpening {
   double longest_edge = 0;
 };
 
+/// The triangles of the list in sets that are connected across edges, each ascending if the list is, in the order of
+/// their first.
+/// @cost  O(n log n).
+std::vector<std::vector<std::uint32_t>> sets_across_edges(const TriangleMesh& mesh,
+                                                          const std::vector<std::uint32_t>& list);
+
 /// Sets of neighbouring triangles whose circumradii are more than three times those at all their corners and whose area
 /// is that of an opening about six spacings wide, or more: of points that lie at random on a surface no gaps are so
 /// large. The circumradii at a vertex are taken to be the second smallest of its triangles, so that triangles between

@@ -27,6 +27,7 @@ struct Measured {
   Json mesh;
   Json quality;
   Json encoding;
+  std::vector<std::string> encoding_warnings{};
   /// None for methods without one.
   std::optional<Certificate> certificate = std::nullopt;
 };
@@ -40,13 +41,15 @@ Json quality_of(const Reconstruction& result, const PointCloud& cloud, bool inte
 }
 
 Result<Measured> measure_encoded(const FileRequest& request, const Reconstruction& result, const PointCloud& cloud,
-                                 const TriangleMesh& decoded, MeshFormat format) {
-  const Result<EncodingEffect> effect = effect_of_encoding(result.mesh, decoded, format);
+                                 const TriangleMesh& decoded, MeshFormat format, const EncodeOptions& options,
+                                 Context& context) {
+  const Result<EncodingEffect> effect = effect_of_encoding(result.mesh, decoded, format, options, context);
   if (!effect) return effect.error();
   const Topology topology = topology_of(decoded);
   return Measured{.mesh = topology_json(topology),
                   .quality = quality_of(result, cloud, vertices_are_points(request), decoded, topology),
-                  .encoding = encoding_json(*effect, format, request.parameters)};
+                  .encoding = encoding_json(*effect, format, request.parameters),
+                  .encoding_warnings = encoding_warnings(*effect)};
 }
 
 /// The part of the report that is the same for every run on the same points.
@@ -55,10 +58,7 @@ Json reproducible_report(const FileRequest& request, const PointCloud& cloud, co
   std::vector<std::string> warnings = cloud.warnings;
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
   std::ranges::copy(warnings_of_openings(measured.mesh), std::back_inserter(warnings));
-  if (!measured.encoding.is_null() && measured.encoding.at("merged_vertices") > 0) {
-    warnings.push_back(measured.encoding.at("merged_vertices").dump() +
-                       " vertices share a position with another after encoding");
-  }
+  std::ranges::copy(measured.encoding_warnings, std::back_inserter(warnings));
   if (format) std::ranges::copy(unheeded_packing(*format, request.parameters), std::back_inserter(warnings));
   if (measured.certificate)
     std::ranges::copy(certificate_warnings(*measured.certificate), std::back_inserter(warnings));
@@ -149,7 +149,7 @@ Result<Json> deliver(const FileRequest& request, const PointCloud& cloud, const 
   if (!bytes) return std::move(bytes).error();
   Result<TriangleMesh> decoded = decode_mesh(*bytes, "the encoded mesh");
   if (!decoded) return std::move(decoded).error();
-  Result<Measured> measured = measure_encoded(request, result, cloud, *decoded, format);
+  Result<Measured> measured = measure_encoded(request, result, cloud, *decoded, format, options, context);
   if (!measured) return std::move(measured).error();
   if (Status certified = add_certificate(request, *decoded, *measured, context); !certified) {
     return std::move(certified).error();

@@ -18,6 +18,8 @@ Json report_json(const FillReport& report, const TriangleMesh& mesh) {
   }
   return Json{{"loops", report.loops},
               {"filled", report.filled},
+              {"spans_opened", report.spans_opened},
+              {"triangles_cut", report.triangles_cut},
               {"filled_by_library", report.filled_by_library},
               {"vertices_added", report.vertices_added},
               {"triangles_added", report.triangles_added},

@@ -48,6 +48,7 @@ Result<Reconstruction> run_intrinsic_delaunay(const PointCloud& cloud, const Jso
     if (Status filled = run_hole_stage(made, fill, context); !filled) return std::move(filled).error();
     if (Status flipped = flip_filled(made, context); !flipped) return std::move(flipped).error();
   }
+  count_large_triangles(made);
   return made;
 }
 

@@ -10,11 +10,8 @@ namespace surfaced {
 namespace {
 
 Json statistics_json(const idt::UpsamplingStatistics& s) {
-  return Json{{"epsilon", s.epsilon},
-              {"rounds", s.rounds},
-              {"points_added", s.points_added},
-              {"from_patches", s.from_patches},
-              {"large_triangles", s.large_triangles}};
+  return Json{
+      {"epsilon", s.epsilon}, {"rounds", s.rounds}, {"points_added", s.points_added}, {"from_patches", s.from_patches}};
 }
 
 }  // namespace
@@ -28,6 +25,17 @@ Json upsample_property() {
        "jet puts them onto quadrics through their neighbours; paper takes them from the most similar patch elsewhere "
        "where one fits. auto for epsilon is then the distance to the 6th nearest neighbour that 95 % of the points "
        "keep below."}};
+}
+
+void count_large_triangles(Reconstruction& made) {
+  Json& statistics = made.statistics["upsampling"];
+  if (statistics.is_null()) return;
+  const Json& epsilon = statistics.at("epsilon");
+  const std::size_t large = idt::large_triangles(made.mesh, epsilon.get<double>());
+  statistics["large_triangles"] = large;
+  if (large == 0) return;
+  made.warnings.push_back(std::to_string(large) + " triangles are still larger than the sampling radius " +
+                          epsilon.dump());
 }
 
 Result<IntrinsicDelaunayResult> reconstruct_upsampled(const PointCloud& cloud, IntrinsicDelaunayParameters method,
@@ -53,10 +61,6 @@ Result<IntrinsicDelaunayResult> reconstruct_upsampled(const PointCloud& cloud, I
                       reconstruct, context);
     if (!result) return std::move(result).error();
     statistics = statistics_json(result->statistics);
-    if (result->statistics.large_triangles > 0) {
-      last->warnings.push_back(std::to_string(result->statistics.large_triangles) +
-                               " triangles are still larger than the sampling radius " + Json(epsilon).dump());
-    }
     last->mesh = std::move(result->mesh);
     return std::move(*last);
   } catch (const std::bad_alloc&) {

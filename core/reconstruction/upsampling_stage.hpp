@@ -16,4 +16,8 @@ Json upsample_property();
 Result<IntrinsicDelaunayResult> reconstruct_upsampled(const PointCloud& cloud, IntrinsicDelaunayParameters method,
                                                       const Json& parameters, Json& statistics, Context& context);
 
+/// Counts the triangles that are larger than ε in the mesh as it is in the end, where upsampling was asked for, and
+/// warns of them.
+void count_large_triangles(Reconstruction& made);
+
 }  // namespace surfaced

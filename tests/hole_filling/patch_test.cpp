@@ -28,6 +28,7 @@ Hole rough_hole(std::uint32_t n, double rough, std::uint32_t seed) {
     hole.normals.push_back({noise(random), noise(random), 1});
     hole.beyond.push_back({2 * std::cos(angle), 2 * std::sin(angle), noise(random)});
   }
+  hole.spacings.assign(n, 2 * std::sin(std::numbers::pi / n));
   hole.joined = [seed](std::uint32_t i, std::uint32_t j) { return (i * j + i + j + seed) % 5 == 0; };
   return hole;
 }

@@ -27,6 +27,7 @@ Hole hole_in_sphere(double opening, std::uint32_t corners, double rough) {
     hole.normals.push_back(hole.corners.back());
     hole.beyond.push_back(on_sphere(opening * (1 + step), step * (i + 0.5)));
   }
+  hole.spacings.assign(corners, opening * step);
   hole.joined = [](std::uint32_t, std::uint32_t) { return false; };
   return hole;
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "reconstruction/reconstruction.hpp"
 #include "support/shapes.hpp"
@@ -52,6 +53,57 @@ TEST(Openings, are_none_of_a_closed_cloud) {
     EXPECT_TRUE(topology_of(closed->mesh).closed) << method;
     EXPECT_THAT(closed->warnings, Not(Contains(HasSubstr("opening")))) << method;
   }
+}
+
+TEST(FilledFromPoints, holes_are_as_dense_as_the_points_around_and_lie_on_the_surface) {
+  const std::vector<Point3> whole = testing::sphere_points(10'000);
+  std::vector<Point3> points = whole;
+  std::erase_if(points, [](const Point3& p) { return norm(p - Point3{0.6, 0.64, 0.48}) < 0.2; });
+  const auto lost = static_cast<double>(whole.size() - points.size());
+  const PointCloud cloud = cloud_of(testing::raw_cloud(points));
+  for (const char* const method : {"local-delaunay", "intrinsic-delaunay", "advancing-front", "scale-space"}) {
+    const auto filled = made(cloud, method, {{"fill_holes", "all"}});
+    ASSERT_TRUE(filled.ok()) << method;
+    EXPECT_TRUE(topology_of(filled->mesh).closed) << method;
+    const auto added = filled->hole_filling.at("vertices_added").get<double>();
+    EXPECT_NEAR(added, lost, 0.25 * lost) << method;
+    double off = 0;
+    for (std::size_t v = cloud.size(); v < filled->mesh.positions.size(); ++v) {
+      off += std::abs(norm(filled->mesh.positions[v]) - 1) / added;
+    }
+    EXPECT_LT(off, 0.0005) << method;  // of the diameter 0.00025
+  }
+}
+
+TEST(FilledFromPoints, gaps_between_random_points_are_no_holes) {
+  std::size_t opened = 0;
+  for (std::uint32_t seed = 0; seed < 10; ++seed) {
+    const auto filled = made(cloud_of(testing::raw_cloud(testing::random_torus(4000, seed))), "local-delaunay",
+                             {{"fill_holes", "all"}});
+    ASSERT_TRUE(filled.ok());
+    opened += filled->hole_filling.at("spans_opened").get<std::size_t>();
+  }
+  EXPECT_LE(opened, 2U);
+}
+
+TEST(FilledFromPoints, triangles_larger_than_the_sampling_radius_are_counted_in_the_filled_mesh) {
+  std::vector<Point3> points = testing::sphere_points(4000);
+  std::erase_if(points, [](const Point3& p) { return p[2] > 0.8; });
+  constexpr double kEpsilon = 0.05;
+  const auto filled = made(cloud_of(testing::raw_cloud(points)), "intrinsic-delaunay",
+                           {{"fill_holes", "all"}, {"upsample", "jet"}, {"epsilon", kEpsilon}});
+  ASSERT_TRUE(filled.ok());
+  ASSERT_GT(filled->hole_filling.at("filled"), 0);
+  std::size_t large = 0;
+  for (const Triangle& t : filled->mesh.triangles) {
+    const auto length = [&](std::size_t i) {
+      return norm(filled->mesh.positions[t.at(i)] - filled->mesh.positions[t.at((i + 1) % 3)]);
+    };
+    const double s = (length(0) + length(1) + length(2)) / 2;
+    const double area = std::sqrt(s * (s - length(0)) * (s - length(1)) * (s - length(2)));
+    large += length(0) * length(1) * length(2) / (4 * area) > kEpsilon ? 1U : 0U;
+  }
+  EXPECT_EQ(filled->statistics.at("upsampling").at("large_triangles"), large);
 }
 
 TEST(Orient, turns_a_body_by_the_normals_of_its_cloud_unless_outwards_is_asked) {

@@ -124,18 +124,29 @@ inline double distance_to_mesh(const Point3& p, const TriangleMesh& mesh) {
   return least;
 }
 
-/// Mean distance, weighted by area, of the centres and vertices of triangles `first`.. of a mesh to a surface.
-inline double mean_distance(const TriangleMesh& mesh, std::size_t first, const TriangleMesh& surface) {
+/// Mean distance, weighted by area, of the centres of new triangles of a mesh to the surface that it was made of, near a
+/// place.
+/// @param rest  what was left of the surface: triangles of the mesh that it has are not new.
+inline double mean_distance(const TriangleMesh& mesh, const TriangleMesh& rest, const TriangleMesh& surface,
+                            const Point3& place, double radius) {
+  const auto within = [&](const Triangle& t, const TriangleMesh& of, double reach) {
+    return std::ranges::all_of(t, [&](VertexIndex v) { return norm(of.positions[v] - place) < reach; });
+  };
+  TriangleMesh around{.positions = surface.positions, .triangles = {}, .normals = {}, .colors = {}};
+  for (const Triangle& t : surface.triangles) {
+    if (within(t, surface, 2 * radius)) around.triangles.push_back(t);
+  }
+  const std::set<Triangle> old(rest.triangles.begin(), rest.triangles.end());
   double sum = 0;
   double area = 0;
-  for (std::size_t i = first; i < mesh.triangles.size(); ++i) {
-    const Triangle& t = mesh.triangles[i];
+  for (const Triangle& t : mesh.triangles) {
+    if (old.contains(t) || !within(t, mesh, 1.5 * radius)) continue;
     const Point3& a = mesh.positions[t[0]];
     const Point3& b = mesh.positions[t[1]];
     const Point3& c = mesh.positions[t[2]];
     const double weight = norm(cross(b - a, c - a)) / 2;
     const Point3 centre{(a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3};
-    for (const Point3& p : {a, b, c, centre}) sum += weight * distance_to_mesh(p, surface) / 4;
+    sum += weight * distance_to_mesh(centre, around);
     area += weight;
   }
   return sum / area;
