@@ -124,8 +124,8 @@ inline double distance_to_mesh(const Point3& p, const TriangleMesh& mesh) {
   return least;
 }
 
-/// Mean distance, weighted by area, of the centres of new triangles of a mesh to the surface that it was made of, near a
-/// place.
+/// Mean distance, weighted by area, of the centres of new triangles of a mesh to the surface that it was made of, near
+/// a place.
 /// @param rest  what was left of the surface: triangles of the mesh that it has are not new.
 inline double mean_distance(const TriangleMesh& mesh, const TriangleMesh& rest, const TriangleMesh& surface,
                             const Point3& place, double radius) {
