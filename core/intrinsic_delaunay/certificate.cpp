@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <numbers>
 
+#include "base/vectors.hpp"
 #include "cloud/cloud.hpp"
 #include "intrinsic_delaunay/close_sheets.hpp"
 #include "intrinsic_delaunay/curvature.hpp"
@@ -28,6 +30,8 @@ struct Welded {
   std::vector<Triangle> triangles;
   /// The first vertex of the mesh that became this one.
   std::vector<VertexIndex> original;
+  /// Any two did.
+  bool joined = false;
 };
 
 Result<Welded> weld(const TriangleMesh& mesh, unsigned threads) {
@@ -47,6 +51,7 @@ Result<Welded> weld(const TriangleMesh& mesh, unsigned threads) {
   if (!cloud) return std::move(cloud).error();
   Welded welded;
   welded.original.resize(cloud->size());
+  welded.joined = cloud->size() < used.size();
   for (std::size_t i = used.size(); i-- > 0;) welded.original[cloud->input_to_vertex[i]] = used[i];
   welded.triangles = mesh.triangles;
   for (Triangle& t : welded.triangles) {
@@ -81,8 +86,9 @@ void count_violations(const TriangleShape& shape, QualityBounds& b) {
   if (outside(shape.inradius_to_longest_edge, b.inradius_to_longest_edge)) ++b.inradius_to_longest_edge.violations;
 }
 
-void estimate_curvature(const Welded& mesh, const Adjacency& adjacency, Context& context, Certificate& c) {
-  std::vector<double> all = curvatures(mesh.positions, adjacency, context);
+void estimate_curvature(const Welded& mesh, std::span<const Point3> normals, const Adjacency& adjacency,
+                        Context& context, Certificate& c) {
+  std::vector<double> all = curvatures(mesh.positions, normals, adjacency, context);
   c.vertices_without_curvature = std::erase_if(all, [](double k) { return k < 0; });
   if (all.empty()) return;
   constexpr double kShare = 0.99;
@@ -108,7 +114,8 @@ void measure_triangles(const Welded& mesh, Certificate& c) {
   }
 }
 
-void count_edges_beyond_pi(const Welded& mesh, Certificate& c) {
+/// Edges at which angles add up to more than π, and whether all edges have two triangles.
+void judge_edges(const TriangleMesh& unwelded, const Welded& mesh, Certificate& c) {
   const HalfEdges edges(mesh.triangles, mesh.positions.size());
   const auto corner = [&](HalfEdgeIndex h) { return mesh.positions[mesh.triangles[h / 3][h % 3]]; };
   for (std::size_t i = 0; i < 3 * mesh.triangles.size(); ++i) {
@@ -119,14 +126,25 @@ void count_edges_beyond_pi(const Welded& mesh, Certificate& c) {
     const Point3 right = corner(HalfEdges::previous(mate));
     if (angles_exceed_pi(corner(h), corner(mate), left, right)) ++c.edges_beyond_pi;
   }
+  bool closed = true;
+  for (std::size_t e = 0; e < edges.edges(); ++e) closed = closed && edges.uses(e) == 2;
+  if (mesh.joined) closed = topology_of(unwelded).closed;
+  c.without_boundary = closed ? Premise::holds : Premise::fails;
 }
 
-void judge_premises(const TriangleMesh& mesh, Certificate& c) {
+void judge_premises(Certificate& c) {
   const auto premise = [](bool holds) { return holds ? Premise::holds : Premise::fails; };
   if (c.largest_curvature > 0) c.largest_epsilon = kLargestKappaEpsilon / c.largest_curvature;
   c.epsilon_within_curvature = premise(!c.largest_epsilon || c.epsilon <= *c.largest_epsilon);
   c.edges_long_enough = premise(c.shortest_edge >= c.epsilon / 2);
-  c.without_boundary = premise(topology_of(mesh).closed);
+  if (!(c.largest_curvature > 0)) return;
+  c.injectivity_radius = std::numbers::pi / c.largest_curvature;
+  c.convexity_radius = *c.injectivity_radius / 2;
+  if (c.epsilon > *c.convexity_radius) {
+    c.injectivity_and_convexity = Premise::fails;
+  } else if (c.vertices_without_curvature == 0) {
+    c.injectivity_and_convexity = Premise::estimated;
+  }
 }
 
 void judge_triangles(const Welded& mesh, Certificate& c) {
@@ -151,16 +169,17 @@ Result<Certificate> certificate_of(const TriangleMesh& mesh, Context& context) {
   if (!welded) return welded.error();
   const Adjacency adjacency = adjacency_of(welded->triangles, welded->positions.size());
   Certificate c;
-  estimate_curvature(*welded, adjacency, context, c);
+  std::vector<Point3> normals = area_normals_at_vertices(welded->positions, welded->triangles);
+  for (Point3& n : normals) n = direction_of(n).value_or(Point3{});
+  estimate_curvature(*welded, normals, adjacency, context, c);
   if (context.cancelled()) return Error{ErrorCode::cancelled, "cancelled while curvatures were estimated"};
   measure_triangles(*welded, c);
-  count_edges_beyond_pi(*welded, c);
-  judge_premises(mesh, c);
+  judge_edges(mesh, *welded, c);
+  judge_premises(c);
   // Where the surface turns within ε anyway, nothing follows from far pairs.
   constexpr std::size_t kAlways = 3'000'000;
   const std::size_t most_steps = std::max(kAlways, (c.bounds_apply() ? 1000U : 20U) * welded->positions.size());
-  if (const auto pair = close_sheets(welded->positions, area_normals_at_vertices(welded->positions, welded->triangles),
-                                     adjacency, c.epsilon, most_steps)) {
+  if (const auto pair = close_sheets(welded->positions, normals, adjacency, c.epsilon, most_steps)) {
     c.injectivity_and_convexity = Premise::fails;
     c.close_sheets = {welded->original[(*pair)[0]], welded->original[(*pair)[1]]};
   }
@@ -178,7 +197,7 @@ Result<Certificate> certificate_of(const TriangleMesh& mesh, Context& context) {
 Premise Certificate::premises_met() const {
   const std::array all{epsilon_within_curvature, edges_long_enough, without_boundary, injectivity_and_convexity};
   if (std::ranges::find(all, Premise::fails) != all.end()) return Premise::fails;
-  return std::ranges::find(all, Premise::assumed) != all.end() ? Premise::assumed : Premise::holds;
+  return injectivity_and_convexity;
 }
 
 Result<Certificate> certify(const TriangleMesh& mesh, Context& context) {

@@ -11,8 +11,9 @@
 
 namespace surfaced {
 
-/// What data can say of a premise of a theorem.
-enum class Premise : std::uint8_t { holds, fails, assumed };
+/// What data can say of a premise of a theorem: that it holds, or fails, of the mesh; that it follows from what was
+/// estimated; or nothing.
+enum class Premise : std::uint8_t { holds, fails, estimated, assumed };
 
 /// The ratios of paper 3, theorems 2 and 3, against their bounds; violations counts triangles outside, and all that
 /// have no area.
@@ -54,8 +55,14 @@ struct Certificate {
   Premise edges_long_enough = Premise::fails;
   /// The surface has no boundary: the mesh is closed.
   Premise without_boundary = Premise::fails;
-  /// ε ≤ conv(S), ½ inj(S): never certain. Fails where two vertices face away from each other within 2ε, far from each
-  /// other on the mesh.
+  /// inj(S) ≥ π/κ and conv(S) ≥ π/(2κ) of a closed surface: the Gaussian curvature is κ² at most, so conjugate points
+  /// are π/κ apart at least (Rauch); a closed geodesic bends in space by κ at most and by 2π in all (Fenchel), so it is
+  /// 2π/κ long at least; half of that, and the conjugate radius, bound inj(S) (Klingenberg), and both conv(S)
+  /// (Whitehead). None without a curvature.
+  std::optional<double> injectivity_radius;
+  std::optional<double> convexity_radius;
+  /// ε ≤ conv(S), ½ inj(S), by these bounds: estimated at best, since κ is; assumed where a vertex has no curvature.
+  /// Fails also where two vertices face away from each other within 2ε, far from each other on the mesh.
   Premise injectivity_and_convexity = Premise::assumed;
   /// Two such vertices.
   std::optional<std::array<VertexIndex, 2>> close_sheets;
@@ -75,7 +82,7 @@ struct Certificate {
   /// the end, and worse meshes would keep them more easily.
   bool bounds_apply() const { return epsilon_within_curvature != Premise::fails; }
 
-  /// Fails if one fails, else assumed: the last premise always is.
+  /// Fails if one fails, else as the last premise.
   Premise premises_met() const;
 };
 

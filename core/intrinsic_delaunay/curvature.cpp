@@ -44,10 +44,27 @@ double curvature_at(std::span<const Point3> positions, std::span<const std::uint
     const Point3 d = positions[w] - centre;
     points.push_back({d[0] / mean, d[1] / mean, d[2] / mean});
   }
-  const auto jet = jet_of(points, JetForm::curvatures);
-  if (!jet) return -1;
-  const double largest = std::max(std::abs(jet->curvatures[0]), std::abs(jet->curvatures[1]));
+  const auto principal = principal_curvatures(points);
+  if (!principal) return -1;
+  const double largest = std::max(std::abs((*principal)[0]), std::abs((*principal)[1]));
   return std::isfinite(largest) ? largest / mean : -1;
+}
+
+/// Across an edge, which is 2ε long at most, normals turn by a quarter where ε ≤ 1/(8κ); twice that is no error of a
+/// normal any more.
+constexpr double kTurned = 0.5;
+
+/// How fast the normal turns from the vertex to those neighbours where it has turned far: no faster than the surface
+/// bends. A quadric over too few points around a tube knows less, in the end nothing.
+double turning_at(std::span<const Point3> positions, std::span<const Point3> normals, const Adjacency& adjacency,
+                  std::uint32_t v) {
+  double fastest = 0;
+  for (const std::uint32_t w : adjacency.of(v)) {
+    const double turned = norm(normals[w] - normals[v]);
+    const double rate = turned / norm(positions[w] - positions[v]);
+    if (turned > kTurned && std::isfinite(rate)) fastest = std::max(fastest, rate);
+  }
+  return fastest;
 }
 
 }  // namespace
@@ -82,7 +99,8 @@ Adjacency adjacency_of(std::span<const Triangle> triangles, std::size_t vertices
   return a;
 }
 
-std::vector<double> curvatures(std::span<const Point3> positions, const Adjacency& adjacency, Context& context) {
+std::vector<double> curvatures(std::span<const Point3> positions, std::span<const Point3> normals,
+                               const Adjacency& adjacency, Context& context) {
   std::vector<double> result(positions.size(), -1);
   parallel_ranges(context.threads(), positions.size(), [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> near;
@@ -90,7 +108,10 @@ std::vector<double> curvatures(std::span<const Point3> positions, const Adjacenc
     for (std::size_t v = begin; v < end; ++v) {
       if (context.cancelled()) return;
       rings(adjacency, static_cast<std::uint32_t>(v), near);
-      if (near.size() >= kFewestPoints) result[v] = curvature_at(positions, near, points);
+      if (near.size() < kFewestPoints) continue;
+      result[v] = curvature_at(positions, near, points);
+      if (result[v] < 0) continue;
+      result[v] = std::max(result[v], turning_at(positions, normals, adjacency, static_cast<std::uint32_t>(v)));
     }
   });
   return result;

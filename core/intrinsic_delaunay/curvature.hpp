@@ -20,9 +20,11 @@ struct Adjacency {
 };
 Adjacency adjacency_of(std::span<const Triangle> triangles, std::size_t vertices);
 
-/// Per vertex the largest absolute principal curvature of the quadric through its rings (CGAL, Monge_via_jet_fitting,
-/// degree 2), in 1/unit; negative where too few vertices lie around it.
+/// Per vertex the largest absolute principal curvature of the quadric through its rings (a jet of degree 2), or, where
+/// that is more, how fast the unit normals turn from it to a neighbour, if they turn far; in 1/unit; negative where too
+/// few vertices lie around it.
 /// @cost  O(V), in parallel.
-std::vector<double> curvatures(std::span<const Point3> positions, const Adjacency& adjacency, Context& context);
+std::vector<double> curvatures(std::span<const Point3> positions, std::span<const Point3> normals,
+                               const Adjacency& adjacency, Context& context);
 
 }  // namespace surfaced::idt

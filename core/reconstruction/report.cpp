@@ -23,6 +23,7 @@ Json distribution_json(const std::optional<Distribution>& d) {
 }
 
 Json premise_json(Premise premise) {
+  if (premise == Premise::estimated) return "estimated";
   if (premise == Premise::assumed) return "assumed";
   return premise == Premise::holds;
 }
@@ -48,7 +49,10 @@ Json premises_json(const Certificate& c) {
        {{"met", premise_json(c.edges_long_enough)}, {"shortest_edge", c.shortest_edge}, {"limit", c.epsilon / 2}}},
       {"without_boundary", {{"met", premise_json(c.without_boundary)}}},
       {"injectivity_and_convexity",
-       {{"met", premise_json(c.injectivity_and_convexity)}, {"close_sheets", std::move(sheets)}}}};
+       {{"met", premise_json(c.injectivity_and_convexity)},
+        {"injectivity_radius", or_null(c.injectivity_radius)},
+        {"convexity_radius", or_null(c.convexity_radius)},
+        {"close_sheets", std::move(sheets)}}}};
 }
 
 std::string why_bounds_say_nothing(const Certificate& c) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "intrinsic_delaunay/surfaces.hpp"
@@ -22,7 +23,7 @@ Certificate certificate_of(const TriangleMesh& mesh, unsigned threads = 1) {
   return std::move(*certificate);
 }
 
-TEST(Certificate, of_a_dense_sphere_assumes_what_data_cannot_tell_and_finds_all_else_met) {
+TEST(Certificate, of_a_dense_sphere_estimates_the_radii_and_finds_all_else_met) {
   const Certificate c = certificate_of(testing::icosphere(3));
   EXPECT_NEAR(c.largest_curvature, 1, 0.03);
   EXPECT_NEAR(c.curvature_p99, 1, 0.03);
@@ -31,8 +32,10 @@ TEST(Certificate, of_a_dense_sphere_assumes_what_data_cannot_tell_and_finds_all_
   EXPECT_EQ(c.epsilon_within_curvature, Premise::holds);
   EXPECT_EQ(c.edges_long_enough, Premise::holds);
   EXPECT_EQ(c.without_boundary, Premise::holds);
-  EXPECT_EQ(c.injectivity_and_convexity, Premise::assumed);
-  EXPECT_EQ(c.premises_met(), Premise::assumed);
+  EXPECT_EQ(c.injectivity_and_convexity, Premise::estimated);
+  EXPECT_NEAR(*c.injectivity_radius, std::numbers::pi, 0.1);
+  EXPECT_NEAR(*c.convexity_radius, std::numbers::pi / 2, 0.05);
+  EXPECT_EQ(c.premises_met(), Premise::estimated);
   EXPECT_TRUE(c.bounds.met());
   EXPECT_TRUE(c.worst_triangles.empty());
   EXPECT_DOUBLE_EQ(c.hausdorff_bound, 4 * c.largest_curvature * c.epsilon * c.epsilon);
@@ -50,6 +53,18 @@ TEST(Certificate, of_the_paper_s_torus_meets_the_bounds_though_it_breaks_the_pre
   EXPECT_EQ(c.premises_met(), Premise::fails);
   EXPECT_TRUE(c.bounds.met());
   EXPECT_TRUE(c.bounds_at_largest_epsilon.met());
+}
+
+/// A torus whose tube has the radius r has geodesics around the tube, 2πr long, and conjugate points πr apart.
+TEST(Certificate, of_a_torus_finds_the_injectivity_radius_that_its_tube_has) {
+  const Certificate c = certificate_of(testing::torus_mesh(400, 120));
+  EXPECT_NEAR(*c.injectivity_radius, 0.3 * std::numbers::pi, 0.02);
+  EXPECT_EQ(c.injectivity_and_convexity, Premise::estimated);
+  // Six points along the torus: further apart than a quarter of the way around its tube.
+  const Certificate coarse = certificate_of(testing::torus_mesh(6, 12));
+  EXPECT_GT(coarse.epsilon, *coarse.convexity_radius);
+  EXPECT_EQ(coarse.injectivity_and_convexity, Premise::fails);
+  EXPECT_EQ(certificate_of(testing::tetrahedron()).injectivity_and_convexity, Premise::assumed);
 }
 
 TEST(Certificate, at_the_largest_epsilon_has_the_bounds_that_the_paper_prints) {

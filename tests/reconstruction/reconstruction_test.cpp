@@ -183,7 +183,7 @@ TEST_F(Files, a_certificate_is_in_the_reports_of_intrinsic_delaunay_and_of_measu
   ASSERT_TRUE(report);
   const Json& certificate = report->at("certificate");
   EXPECT_EQ(certificate.at("bounds_met"), true);
-  EXPECT_EQ(certificate.at("premises").at("injectivity_and_convexity").at("met"), "assumed");
+  EXPECT_EQ(certificate.at("premises").at("injectivity_and_convexity").at("met"), "estimated");
   EXPECT_NEAR(certificate.at("curvature").at("p99").get<double>(), 1, 0.03);
   EXPECT_EQ(certificate.at("bounds_say_nothing_because"), nullptr);
   Context none;
