@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // For everybody: checked by axe, without a mouse, on a telephone, in the dark.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { test } from 'node:test';
-import { browser, dropFile, knot, openPage, reconstruct, serveAndBrowse, server, silhouette } from './support.mjs';
+import {readFileSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {test} from 'node:test';
+
+import {browser, dropFile, knot, openPage, reconstruct, serveAndBrowse, server, silhouette} from './support.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 serveAndBrowse();
 
 async function findings(page) {
   await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
-  return violations.filter(({ impact }) => impact === 'serious' || impact === 'critical')
-    .map(({ id, nodes }) => `${id}: ${nodes.map((node) => `${node.target} ${node.any[0]?.message ?? ''}`).join(' | ')}`);
+  const {violations} = await page.evaluate(() => window.axe.run(document, {resultTypes: ['violations']}));
+  return violations.filter(({impact}) => impact === 'serious' || impact === 'critical')
+      .map(
+          ({id, nodes}) => `${id}: ${nodes.map((node) => `${node.target} ${node.any[0]?.message ?? ''}`).join(' | ')}`);
 }
 
 for (const colorScheme of ['light', 'dark']) {
   test(`axe has nothing serious to say of the page, of a result and of a comparison, ${colorScheme}`, async () => {
-    const page = await openPage(browser, server.base, { colorScheme });
+    const page = await openPage(browser, server.base, {colorScheme});
     assert.deepEqual(await findings(page), []);
     await dropFile(page, 'knot.ply', knot);
     for (const group of await page.$$('#setup details > summary')) await group.click();
@@ -50,9 +52,12 @@ test('everything is done without a mouse', async () => {
   await page.keyboard.press('Enter');
   await page.waitForSelector('.headline');
   await page.keyboard.press('e');
-  await page.click('#canvas', { position: { x: 20, y: 200 } });
-  assert.equal(await page.getAttribute('[data-look="wireframe"]', 'aria-pressed'), 'false', 'a letter does nothing outside of the picture');
-  assert.ok(await page.evaluate(() => document.activeElement?.id === 'canvas'), 'a click into the picture gives it the keys');
+  await page.click('#canvas', {position: {x: 20, y: 200}});
+  assert.equal(
+      await page.getAttribute('[data-look="wireframe"]', 'aria-pressed'), 'false',
+      'a letter does nothing outside of the picture');
+  assert.ok(
+      await page.evaluate(() => document.activeElement?.id === 'canvas'), 'a click into the picture gives it the keys');
   const earlier = await silhouette(page);
   for (let i = 0; i < 8; i += 1) await page.keyboard.press('ArrowRight');
   const later = await silhouette(page);
@@ -63,12 +68,15 @@ test('everything is done without a mouse', async () => {
   await page.focus('#setup .chip');
   await page.$eval('[data-output="log.txt"]', (button) => button.click());
   await page.waitForFunction(() => /is saved/.test(document.querySelector('#work').textContent));
-  assert.ok(await page.evaluate(() => document.activeElement?.matches('#setup .chip')), 'a notice takes the focus from nobody');
+  assert.ok(
+      await page.evaluate(() => document.activeElement?.matches('#setup .chip')),
+      'a notice takes the focus from nobody');
   await page.context().close();
 });
 
 test('a telephone shows all of it in one column, and the fingers reach it', async () => {
-  const page = await openPage(browser, server.base, { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true });
+  const page =
+      await openPage(browser, server.base, {viewport: {width: 390, height: 844}, isMobile: true, hasTouch: true});
   await page.tap('[data-sample="knot.ply"]');
   await page.tap('#run');
   await page.waitForSelector('.headline');

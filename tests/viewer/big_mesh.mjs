@@ -19,20 +19,32 @@ export function bumpySphere(rows) {
       for (const corner of [u, v, u + columns, v, v + columns, u + columns]) index[at++] = corner;
     }
   }
-  return { positions, index };
+  return {positions, index};
 }
 
-export function glb({ positions, index }) {
-  const views = [{ buffer: 0, byteOffset: 0, byteLength: positions.byteLength }, { buffer: 0, byteOffset: positions.byteLength, byteLength: index.byteLength }];
+export function glb({positions, index}) {
+  const views = [
+    {buffer: 0, byteOffset: 0, byteLength: positions.byteLength},
+    {buffer: 0, byteOffset: positions.byteLength, byteLength: index.byteLength}
+  ];
   const json = {
-    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
-    accessors: [{ bufferView: 0, componentType: 5126, count: positions.length / 3, type: 'VEC3' }, { bufferView: 1, componentType: 5125, count: index.length, type: 'SCALAR' }],
-    bufferViews: views, buffers: [{ byteLength: positions.byteLength + index.byteLength }],
+    asset: {version: '2.0'},
+    scene: 0,
+    scenes: [{nodes: [0]}],
+    nodes: [{mesh: 0}],
+    meshes: [{primitives: [{attributes: {POSITION: 0}, indices: 1}]}],
+    accessors: [
+      {bufferView: 0, componentType: 5126, count: positions.length / 3, type: 'VEC3'},
+      {bufferView: 1, componentType: 5125, count: index.length, type: 'SCALAR'}
+    ],
+    bufferViews: views,
+    buffers: [{byteLength: positions.byteLength + index.byteLength}],
   };
   const text = JSON.stringify(json).padEnd(Math.ceil(JSON.stringify(json).length / 4) * 4);
   const head = Buffer.alloc(20);
   const size = positions.byteLength + index.byteLength;
-  [0x46546c67, 2, 28 + text.length + size, text.length, 0x4e4f534a].forEach((word, i) => head.writeUInt32LE(word, 4 * i));
+  [0x46546c67, 2, 28 + text.length + size, text.length, 0x4e4f534a].forEach(
+      (word, i) => head.writeUInt32LE(word, 4 * i));
   const chunk = Buffer.alloc(8);
   chunk.writeUInt32LE(size, 0);
   chunk.writeUInt32LE(0x004e4942, 4);

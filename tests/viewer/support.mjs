@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A running server, a real browser, and eyes for what the canvas shows.
-import { spawn } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import {spawn} from 'node:child_process';
+import {mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {tmpdir} from 'node:os';
 import path from 'node:path';
-import { after, before } from 'node:test';
-import { createInterface } from 'node:readline';
-import { chromium } from 'playwright-core';
+import {createInterface} from 'node:readline';
+import {after, before} from 'node:test';
+import {chromium} from 'playwright-core';
 
 export const source = process.env.SURFACED_SOURCE;
 export const sampleFile = (name) => path.join(source, 'client-examples/samples', name);
 export const knot = readFileSync(sampleFile('knot.ply'));
 
 /** Starts the daemon; `data` and `listen` let it come back as it was. */
-export async function startServer(flags = [], data = mkdtempSync(path.join(tmpdir(), 'surfaced-viewer-')), listen = '127.0.0.1:0') {
-  const child = spawn(process.env.SURFACED_BIN, ['serve', '--listen', listen, '--data', data, '--log-level', 'warning', ...flags], { stdio: ['ignore', 'pipe', 'inherit'] });
+export async function startServer(
+    flags = [], data = mkdtempSync(path.join(tmpdir(), 'surfaced-viewer-')), listen = '127.0.0.1:0') {
+  const child = spawn(
+      process.env.SURFACED_BIN, ['serve', '--listen', listen, '--data', data, '--log-level', 'warning', ...flags],
+      {stdio: ['ignore', 'pipe', 'inherit']});
   const base = await new Promise((resolve, reject) => {
     child.once('exit', (code) => reject(new Error(`the server ended with ${code}`)));
-    createInterface({ input: child.stdout }).on('line', (line) => {
+    createInterface({input: child.stdout}).on('line', (line) => {
       const found = /http:\/\/\S+/.exec(line);
       if (found) resolve(found[0].replace(/\/$/, ''));
     });
@@ -29,9 +32,9 @@ export async function startServer(flags = [], data = mkdtempSync(path.join(tmpdi
   };
   const stop = async () => {
     await end('SIGTERM');
-    rmSync(data, { recursive: true, force: true });
+    rmSync(data, {recursive: true, force: true});
   };
-  return { base, data, stop, kill: () => end('SIGKILL') };
+  return {base, data, stop, kill: () => end('SIGKILL')};
 }
 
 /** A wait ends with what it waits for; so long it takes only where that never comes. */
@@ -42,7 +45,10 @@ export function startBrowser(flags = ['--use-angle=swiftshader', '--enable-unsaf
   return chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     timeout: patience,
-    args: ['--no-sandbox', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-quic', '--no-first-run', ...flags],
+    args: [
+      '--no-sandbox', '--disable-background-networking', '--disable-component-update', '--disable-sync',
+      '--disable-quic', '--no-first-run', ...flags
+    ],
   });
 }
 
@@ -61,30 +67,32 @@ export function serveAndBrowse() {
 
 /** A page that fails the test by whatever it says on its console. */
 export async function openPage(browser, url, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, ...options });
+  const context = await browser.newContext({viewport: {width: 1280, height: 800}, acceptDownloads: true, ...options});
   context.setDefaultTimeout(patience);
   const page = await context.newPage();
   page.complaints = [];
   page.on('pageerror', (error) => page.complaints.push(error.message));
   page.on('console', (message) => {
     // What the network refuses is told by the page itself.
-    if (['error', 'warning'].includes(message.type()) && !/Failed to load resource|GPU stall|GL Driver/.test(message.text())) page.complaints.push(message.text());
+    if (['error', 'warning'].includes(message.type()) &&
+        !/Failed to load resource|GPU stall|GL Driver/.test(message.text()))
+      page.complaints.push(message.text());
   });
   page.requests = [];
   page.on('request', (request) => page.requests.push(request.url()));
   await page.goto(url);
-  await page.waitForSelector('#method option', { state: 'attached' });
+  await page.waitForSelector('#method option', {state: 'attached'});
   return page;
 }
 
 /** Drops a file on the page, as from a desktop. */
 export async function dropFile(page, name, bytes) {
-  const transfer = await page.evaluateHandle(({ name, base64 }) => {
+  const transfer = await page.evaluateHandle(({name, base64}) => {
     const data = new DataTransfer();
     data.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
     return data;
-  }, { name, base64: Buffer.from(bytes).toString('base64') });
-  await page.dispatchEvent('body', 'drop', { dataTransfer: transfer });
+  }, {name, base64: Buffer.from(bytes).toString('base64')});
+  await page.dispatchEvent('body', 'drop', {dataTransfer: transfer});
   await page.waitForFunction((name) => document.querySelector('#setup .name')?.textContent === name, name);
 }
 
@@ -98,26 +106,33 @@ export const facts = (page) => page.$$eval('.facts dd', (items) => items.map((it
 
 /** Waits until nothing has been drawn for a while: what moved has come to rest, and large meshes are whole again. */
 export const settled = (page) => page.evaluate(() => new Promise((resolve) => {
-  const stage = window.surfacedStage;
-  let timer = 0;
-  const rest = () => requestAnimationFrame(() => requestAnimationFrame(resolve));
-  stage.onFrame = () => {
-    clearTimeout(timer);
-    timer = setTimeout(rest, 700);
-  };
-  stage.draw();
-}));
+                                                 const stage = window.surfacedStage;
+                                                 let timer = 0;
+                                                 const rest = () =>
+                                                     requestAnimationFrame(() => requestAnimationFrame(resolve));
+                                                 stage.onFrame = () => {
+                                                   clearTimeout(timer);
+                                                   timer = setTimeout(rest, 700);
+                                                 };
+                                                 stage.draw();
+                                               }));
 
 /** What of the picture is not background: its share, its box, and the share of its box that it fills. */
 export async function silhouette(page, clip) {
   await settled(page);
   // What lies over the canvas is no part of the picture, nor is the frame of what has the focus.
-  await page.evaluate(() => { document.querySelector('#canvas').style.outline = 'none'; });
-  await page.evaluate(() => { for (const part of document.querySelectorAll('#overlay, .toolbar')) part.style.visibility = 'hidden'; });
+  await page.evaluate(() => {
+    document.querySelector('#canvas').style.outline = 'none';
+  });
+  await page.evaluate(() => {
+    for (const part of document.querySelectorAll('#overlay, .toolbar')) part.style.visibility = 'hidden';
+  });
   await page.locator('#canvas').scrollIntoViewIfNeeded();
   const box = await page.locator('#canvas').boundingBox();
-  const png = await page.screenshot({ clip: clip ? clip(box) : box });
-  await page.evaluate(() => { for (const part of document.querySelectorAll('#overlay, .toolbar')) part.style.visibility = ''; });
+  const png = await page.screenshot({clip: clip ? clip(box) : box});
+  await page.evaluate(() => {
+    for (const part of document.querySelectorAll('#overlay, .toolbar')) part.style.visibility = '';
+  });
   return page.evaluate(async (base64) => {
     const image = new Image();
     image.src = `data:image/png;base64,${base64}`;
@@ -127,7 +142,7 @@ export async function silhouette(page, clip) {
     canvas.height = image.height;
     const context = canvas.getContext('2d');
     context.drawImage(image, 0, 0);
-    const { data, width, height } = context.getImageData(0, 0, image.width, image.height);
+    const {data, width, height} = context.getImageData(0, 0, image.width, image.height);
     let [count, left, right, top, bottom] = [0, width, 0, height, 0];
     const colours = new Set();
     for (let y = 2; y < height - 2; y += 1) {
@@ -135,18 +150,28 @@ export async function silhouette(page, clip) {
         const at = 4 * (y * width + x);
         if ([0, 1, 2].every((k) => Math.abs(data[at + k] - data[4 * (2 * width + 2) + k]) < 10)) continue;
         count += 1;
-        left = Math.min(left, x); right = Math.max(right, x); top = Math.min(top, y); bottom = Math.max(bottom, y);
+        left = Math.min(left, x);
+        right = Math.max(right, x);
+        top = Math.min(top, y);
+        bottom = Math.max(bottom, y);
         colours.add((data[at] >> 4 << 8) | (data[at + 1] >> 4 << 4) | (data[at + 2] >> 4));
       }
     }
     const [w, h] = [right - left + 1, bottom - top + 1];
-    return { share: count / (width * height), width: w, height: h, fill: count / (w * h), colours: colours.size, picture: [width, height] };
+    return {
+      share: count / (width * height),
+      width: w,
+      height: h,
+      fill: count / (w * h),
+      colours: colours.size,
+      picture: [width, height]
+    };
   }, png.toString('base64'));
 }
 
 /** Points on a sphere. */
 export function spherePoints(count, radius = 1) {
-  return Array.from({ length: count }, (_, i) => {
+  return Array.from({length: count}, (_, i) => {
     const z = 1 - (2 * i + 1) / count;
     const angle = i * Math.PI * (3 - Math.sqrt(5));
     const r = Math.sqrt(1 - z * z);
@@ -155,5 +180,7 @@ export function spherePoints(count, radius = 1) {
 }
 
 export function ply(points) {
-  return Buffer.from(`ply\nformat ascii 1.0\nelement vertex ${points.length}\nproperty float x\nproperty float y\nproperty float z\nend_header\n${points.map((p) => p.join(' ')).join('\n')}\n`);
+  return Buffer.from(`ply\nformat ascii 1.0\nelement vertex ${
+      points.length}\nproperty float x\nproperty float y\nproperty float z\nend_header\n${
+      points.map((p) => p.join(' ')).join('\n')}\n`);
 }

@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Who cancels, or turns to something else, is heard at once; what was begun before does not come after it.
 import assert from 'node:assert/strict';
-import { test } from 'node:test';
-import { browser, dropFile, knot, openPage, patience, ply, reconstruct, serveAndBrowse, server, spherePoints } from './support.mjs';
+import {test} from 'node:test';
+
+import {browser, dropFile, knot, openPage, patience, ply, reconstruct, serveAndBrowse, server, spherePoints} from './support.mjs';
 
 serveAndBrowse();
 
 function signal() {
   const made = {};
-  made.promise = new Promise((resolve) => { made.resolve = resolve; });
+  made.promise = new Promise((resolve) => {
+    made.resolve = resolve;
+  });
   return made;
 }
 
-/** Holds the first request of a kind, before it is sent or with its answer in hand; says when it came, and lets it go on. */
+/**
+ * Holds the first request of a kind, before it is sent or with its answer in hand; says when it came, and lets it go
+ * on.
+ */
 async function hold(page, url, method, answered) {
   const [came, gate, gone] = [signal(), signal(), signal()];
   let held = false;
@@ -23,10 +29,10 @@ async function hold(page, url, method, answered) {
     came.resolve();
     await gate.promise;
     // What the page has given up takes no answer.
-    await (response ? route.fulfill({ response }) : route.continue()).catch(() => undefined);
+    await (response ? route.fulfill({response}) : route.continue()).catch(() => undefined);
     gone.resolve();
   });
-  return { came: came.promise, release: () => (gate.resolve(), gone.promise) };
+  return {came: came.promise, release: () => (gate.resolve(), gone.promise)};
 }
 
 const spheres = ply(spherePoints(60000));
@@ -36,7 +42,7 @@ const text = (page) => page.textContent('#work');
 /** Nothing more comes, and nothing is wrong. */
 async function quiet(page) {
   await page.waitForTimeout(500);
-  await page.waitForSelector('.card.work', { state: 'detached' });
+  await page.waitForSelector('.card.work', {state: 'detached'});
   assert.equal(await page.locator('.card').count(), 0, await text(page));
 }
 
@@ -151,13 +157,14 @@ test('what is no longer shown is let go of', async () => {
   });
   const page = await context.newPage();
   await page.goto(server.base);
-  await page.waitForSelector('#method option', { state: 'attached' });
+  await page.waitForSelector('#method option', {state: 'attached'});
   for (let i = 1; i <= 4; i += 1) await dropFile(page, `${i}.ply`, ply(spherePoints(1000 * i)));
   await page.waitForFunction(() => document.querySelectorAll('.facts dd')[2]?.textContent === '4,000');
-  const held = () => page.evaluate(() => (window.asked.loadCloud ?? 0) + (window.asked.loadMesh ?? 0) - (window.asked.forget ?? 0));
+  const held = () =>
+      page.evaluate(() => (window.asked.loadCloud ?? 0) + (window.asked.loadMesh ?? 0) - (window.asked.forget ?? 0));
   assert.equal(await held(), 1, 'one cloud');
   // Its points are on the server alone: another page has sent them.
-  const [{ id }] = (await jobs()).filter((job) => job.status === 'successful');
+  const [{id}] = (await jobs()).filter((job) => job.status === 'successful');
   await page.click('summary:has-text("Jobs on this server")');
   await page.click(`.history button[aria-label^="Open"][aria-label$="${id.slice(0, 6)}"]`);
   await page.waitForSelector('.headline');

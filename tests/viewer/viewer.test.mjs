@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The page at / as a newcomer uses it, in a real browser.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
-import { test } from 'node:test';
-import { browser, dropFile, facts, knot, openPage, ply, reconstruct, serveAndBrowse, server, silhouette, spherePoints } from './support.mjs';
+import {readFileSync} from 'node:fs';
+import {test} from 'node:test';
+
+import {browser, dropFile, facts, knot, openPage, ply, reconstruct, serveAndBrowse, server, silhouette, spherePoints} from './support.mjs';
 
 serveAndBrowse();
 
@@ -21,9 +22,12 @@ test('a dropped cloud is seen at once, and becomes a closed mesh with two more c
   assert.ok(Math.abs(disc.width / disc.height - 1) < 0.03, `as wide as high: ${JSON.stringify(disc)}`);
   assert.ok(Math.abs(disc.fill - Math.PI / 4) < 0.03, `a filled disc: ${JSON.stringify(disc)}`);
   assert.ok(disc.colours > 8, 'shaded');
-  assert.match((await words(page)).join('\n'), /Watertight[^]*genus 0[^]*Every one of the 2,000 distinct points is a vertex/);
+  assert.match(
+      (await words(page)).join('\n'), /Watertight[^]*genus 0[^]*Every one of the 2,000 distinct points is a vertex/);
   assert.match(page.url(), /\?job=[a-z0-9]+$/);
-  assert.ok(page.requests.every((url) => url.startsWith(server.base) || /^(data|blob):/.test(url)), 'nothing is loaded from elsewhere');
+  assert.ok(
+      page.requests.every((url) => url.startsWith(server.base) || /^(data|blob):/.test(url)),
+      'nothing is loaded from elsewhere');
   assert.deepEqual(page.complaints, []);
   await page.context().close();
 });
@@ -35,12 +39,16 @@ test('two methods stand side by side, their difference is measured, and the link
   await page.selectOption('#method', 'local-delaunay');
   await page.click('#beside');
   await page.waitForSelector('.comparison');
-  const half = (side) => (box) => ({ x: box.x + (side * box.width) / 2, y: box.y, width: box.width / 2 - 2, height: box.height });
+  const half = (side) => (box) =>
+      ({x: box.x + (side * box.width) / 2, y: box.y, width: box.width / 2 - 2, height: box.height});
   const [left, right] = [await silhouette(page, half(0)), await silhouette(page, half(1))];
-  assert.ok(left.share > 0.05 && Math.abs(left.width - right.width) < 8 && Math.abs(left.height - right.height) < 8, JSON.stringify([left, right]));
+  assert.ok(
+      left.share > 0.05 && Math.abs(left.width - right.width) < 8 && Math.abs(left.height - right.height) < 8,
+      JSON.stringify([left, right]));
   assert.ok(left.width < left.picture[0] - 8, 'the whole knot is in view');
   await page.selectOption('#colour', 'difference');
-  await page.waitForFunction(() => /Distance to the other mesh/.test(document.querySelector('.legend')?.textContent ?? ''));
+  await page.waitForFunction(
+      () => /Distance to the other mesh/.test(document.querySelector('.legend')?.textContent ?? ''));
   const link = () => page.$eval('[aria-label="Link to this result"]', (box) => box.value);
   const both = page.url();
   assert.match(both, /&with=/);
@@ -66,7 +74,17 @@ test('the mesh is saved in every format that is offered', async () => {
   const page = await openPage(browser, server.base);
   await dropFile(page, 'knot.ply', knot);
   await reconstruct(page, 'advancing-front');
-  const begins = { 'mesh.glb': /^glTF/, 'mesh.gltf': /^\{/, 'mesh.ply': /^ply/, 'mesh.obj': /^#|^v /, 'mesh.stl': /^/, 'mesh.3mf': /^PK/, 'mesh.drc': /^DRACO/, 'report.json': /^\{/, 'log.txt': /./ };
+  const begins = {
+    'mesh.glb': /^glTF/,
+    'mesh.gltf': /^\{/,
+    'mesh.ply': /^ply/,
+    'mesh.obj': /^#|^v /,
+    'mesh.stl': /^/,
+    'mesh.3mf': /^PK/,
+    'mesh.drc': /^DRACO/,
+    'report.json': /^\{/,
+    'log.txt': /./
+  };
   for (const [output, pattern] of Object.entries(begins)) {
     const [download] = await Promise.all([page.waitForEvent('download'), page.click(`[data-output="${output}"]`)]);
     assert.match(download.suggestedFilename(), /^knot/);

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page /licenses: NOTICE, and the licence texts of all that is in the binary or that it is linked with, as they lie in
-// node_modules and in Debian's /usr/share/doc.
-import { existsSync, readFileSync, readdirSync } from 'node:fs';
+// The page /licenses: NOTICE, and the licence texts of all that is in the binary or that it is linked with, as they lie
+// in node_modules and in Debian's /usr/share/doc.
+import {existsSync, readdirSync, readFileSync} from 'node:fs';
 import path from 'node:path';
 
-/** Debian's packages whose code is compiled into the binary; those of section [run] of packages.txt are linked with it. */
-const compiledIn = ['libcgal-dev', 'libtinygltf-dev', 'nlohmann-json3-dev', 'libcli11-dev', 'libeigen3-dev', 'libnanoflann-dev', 'libboost-dev'];
+/**
+ * Debian's packages whose code is compiled into the binary; those of section [run] of packages.txt are linked with it.
+ */
+const compiledIn = [
+  'libcgal-dev', 'libtinygltf-dev', 'nlohmann-json3-dev', 'libcli11-dev', 'libeigen3-dev', 'libnanoflann-dev',
+  'libboost-dev'
+];
 const data = new Set(['ca-certificates']);
 /** Texts that the packages name instead of quoting them. */
 const common = ['Apache-2.0', 'GPL-2', 'GPL-3', 'LGPL-2', 'LGPL-2.1', 'LGPL-3', 'MPL-1.1', 'MPL-2.0'];
@@ -26,7 +31,8 @@ function linkedPackages(source) {
 function debianEntries(source) {
   return [...compiledIn, ...linkedPackages(source)].sort().map((name) => {
     const file = `/usr/share/doc/${name}/copyright`;
-    const text = existsSync(file) ? readFileSync(file, 'utf8') : `The package ${name} of the system that this was built on brings its licence.`;
+    const text = existsSync(file) ? readFileSync(file, 'utf8') :
+                                    `The package ${name} of the system that this was built on brings its licence.`;
     return entry(name, text);
   });
 }
@@ -53,9 +59,10 @@ export function licensesPage(source, version, sourceUrl) {
   const draco = readFileSync(path.join(web, 'node_modules/three/examples/jsm/libs/draco/README.md'), 'utf8');
   const meshopt = readFileSync(path.join(web, 'node_modules/meshoptimizer/LICENSE.md'), 'utf8');
   const texts = common.filter((name) => existsSync(`/usr/share/common-licenses/${name}`))
-    .map((name) => entry(name, readFileSync(`/usr/share/common-licenses/${name}`, 'utf8')));
-  const where = sourceUrl ? `<p>The source of this version: <a href="${escape(sourceUrl)}">${escape(sourceUrl)}</a></p>`
-    : '<p>Whoever gave you this program owes you its source on request: ask the operator of this server for that of the version above.</p>';
+                    .map((name) => entry(name, readFileSync(`/usr/share/common-licenses/${name}`, 'utf8')));
+  const where = sourceUrl ?
+      `<p>The source of this version: <a href="${escape(sourceUrl)}">${escape(sourceUrl)}</a></p>` :
+      '<p>Whoever gave you this program owes you its source on request: ask the operator of this server for that of the version above.</p>';
   return `<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><meta name="color-scheme" content="light dark">
 <title>Licences of surfaced</title></head><body>

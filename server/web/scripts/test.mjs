@@ -2,10 +2,10 @@
 // Bundles the tests of a folder, which are TypeScript, and runs them under Node.
 //
 // usage: test.mjs FOLDER OUTPUT
-import { spawnSync } from 'node:child_process';
-import { readdirSync } from 'node:fs';
+import {build} from 'esbuild';
+import {spawnSync} from 'node:child_process';
+import {readdirSync} from 'node:fs';
 import path from 'node:path';
-import { build } from 'esbuild';
 
 const [folder, output] = process.argv.slice(2);
 const files = readdirSync(folder).filter((name) => name.endsWith('.test.ts'));
@@ -15,9 +15,11 @@ await build({
   platform: 'node',
   format: 'esm',
   outdir: output,
-  outExtension: { '.js': '.mjs' },
+  outExtension: {'.js': '.mjs'},
   nodePaths: [path.join(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), '../node_modules')],
   logLevel: 'warning',
 });
-const run = spawnSync(process.execPath, ['--test', ...files.map((name) => path.join(output, name.replace(/\.ts$/, '.mjs')))], { stdio: 'inherit' });
+const run = spawnSync(
+    process.execPath, ['--test', ...files.map((name) => path.join(output, name.replace(/\.ts$/, '.mjs')))],
+    {stdio: 'inherit'});
 process.exit(run.status ?? 1);

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The measuring parts of the viewer.
 import assert from 'node:assert/strict';
-import { test } from 'node:test';
-import { distancesOfTriangles, encloses, toSurface, treeOf } from '../../../server/web/src/geometry/compare';
-import { edgesOf } from '../../../server/web/src/geometry/edges';
-import type { MeshData } from '../../../server/web/src/geometry/mesh_data';
-import { NearestPoints } from '../../../server/web/src/geometry/nearest';
-import { shapeOf, shapesOf, worstOf } from '../../../server/web/src/geometry/quality';
-import { simplified } from '../../../server/web/src/geometry/simplify';
+import {test} from 'node:test';
+
+import {distancesOfTriangles, encloses, toSurface, treeOf} from '../../../server/web/src/geometry/compare';
+import {edgesOf} from '../../../server/web/src/geometry/edges';
+
+import type {MeshData} from '../../../server/web/src/geometry/mesh_data';
+import {NearestPoints} from '../../../server/web/src/geometry/nearest';
+import {shapeOf, shapesOf, worstOf} from '../../../server/web/src/geometry/quality';
+import {simplified} from '../../../server/web/src/geometry/simplify';
 
 function random(seed: number): () => number {
   let state = seed;
@@ -15,7 +17,9 @@ function random(seed: number): () => number {
 }
 
 const tetrahedron: MeshData = {
-  positions: Float32Array.from([1, 1, 1, 1, -1, -1, -1, 1, -1, -1, -1, 1]), index: Uint32Array.from([0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]), origin: [0, 0, 0],
+  positions: Float32Array.from([1, 1, 1, 1, -1, -1, -1, 1, -1, -1, -1, 1]),
+  index: Uint32Array.from([0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]),
+  origin: [0, 0, 0],
 };
 
 function sphere(rows: number): MeshData {
@@ -29,15 +33,19 @@ function sphere(rows: number): MeshData {
       if (i < rows) index.push(u, v, u + 2 * rows, v, v + 2 * rows, u + 2 * rows);
     }
   }
-  return { positions: Float32Array.from(positions), index: Uint32Array.from(index), origin: [0, 0, 0] };
+  return {positions: Float32Array.from(positions), index: Uint32Array.from(index), origin: [0, 0, 0]};
 }
 
 test('an equilateral triangle has the largest ratios, a needle almost none, a line none', () => {
   const best = shapeOf(1, 1, 1);
-  assert.ok(Math.abs(best.lR - Math.sqrt(3)) < 1e-12 && Math.abs(best.rL - Math.sqrt(3) / 6) < 1e-12 && Math.abs(best.angle - 60) < 1e-9);
+  assert.ok(
+      Math.abs(best.lR - Math.sqrt(3)) < 1e-12 && Math.abs(best.rL - Math.sqrt(3) / 6) < 1e-12 &&
+      Math.abs(best.angle - 60) < 1e-9);
   const right = shapeOf(9, 16, 25);
-  assert.ok(Math.abs(right.lR - 3 / 2.5) < 1e-12 && Math.abs(right.rL - 1 / 5) < 1e-12 && Math.abs(right.angle - 36.8698976) < 1e-6);
-  assert.deepEqual(shapeOf(1, 1, 4), { lR: 0, rL: 0, angle: 0 });
+  assert.ok(
+      Math.abs(right.lR - 3 / 2.5) < 1e-12 && Math.abs(right.rL - 1 / 5) < 1e-12 &&
+      Math.abs(right.angle - 36.8698976) < 1e-6);
+  assert.deepEqual(shapeOf(1, 1, 4), {lR: 0, rL: 0, angle: 0});
   assert.ok(shapeOf(1e-6, 1, 1).angle < 0.06);
 });
 
@@ -50,20 +58,21 @@ test('the worst triangles come first, as many as asked for', () => {
 test('edges are told by how many triangles they have', () => {
   const closed = edgesOf(tetrahedron);
   assert.deepEqual([closed.all.length, closed.boundary.length, closed.nonManifold.length], [12, 0, 0]);
-  const open = edgesOf({ ...tetrahedron, index: tetrahedron.index.slice(3) });
+  const open = edgesOf({...tetrahedron, index: tetrahedron.index.slice(3)});
   assert.equal(open.boundary.length, 6);
-  const fan = edgesOf({ ...tetrahedron, index: Uint32Array.from([0, 1, 2, 0, 3, 1, 0, 1, 2]) });
+  const fan = edgesOf({...tetrahedron, index: Uint32Array.from([0, 1, 2, 0, 3, 1, 0, 1, 2])});
   assert.deepEqual([...fan.nonManifold], [0, 1]);
 });
 
 test('the nearest point is that of a search through all', () => {
   const next = random(7);
-  const points = Float32Array.from({ length: 3 * 500 }, () => Math.round(20 * next()) / 20);
+  const points = Float32Array.from({length: 3 * 500}, () => Math.round(20 * next()) / 20);
   const tree = new NearestPoints(points);
   for (let q = 0; q < 200; q += 1) {
     const [x, y, z] = [next() * 1.4 - 0.2, next() * 1.4 - 0.2, next() * 1.4 - 0.2];
     let least = Infinity;
-    for (let i = 0; i < points.length; i += 3) least = Math.min(least, Math.hypot(points[i] - x, points[i + 1] - y, points[i + 2] - z));
+    for (let i = 0; i < points.length; i += 3)
+      least = Math.min(least, Math.hypot(points[i] - x, points[i + 1] - y, points[i + 2] - z));
     assert.ok(Math.abs(tree.distance(x, y, z) - least) < 1e-12);
   }
   assert.equal(new NearestPoints(new Float32Array()).distance(0, 0, 0), Infinity);
@@ -78,7 +87,11 @@ test('the coarse stand-in has about as few triangles as asked for, and keeps the
 });
 
 test('distances of triangles see what corners do not: a lid over points that both meshes share', () => {
-  const box = (index: number[]): MeshData => ({ positions: Float32Array.from([0, 0, 0, 4, 0, 0, 4, 4, 0, 0, 4, 0, 2, 2, -3]), index: Uint32Array.from(index), origin: [0, 0, 0] });
+  const box = (index: number[]): MeshData => ({
+    positions: Float32Array.from([0, 0, 0, 4, 0, 0, 4, 4, 0, 0, 4, 0, 2, 2, -3]),
+    index: Uint32Array.from(index),
+    origin: [0, 0, 0]
+  });
   const cup = box([0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0]);
   const lid = box([0, 1, 2, 0, 2, 3]);
   const values = distancesOfTriangles(lid, [0, 0, 0], toSurface(treeOf(cup)));
@@ -89,7 +102,8 @@ test('distances of triangles see what corners do not: a lid over points that bot
 test('distances to a surface and insides are those of the sphere', () => {
   const tree = treeOf(sphere(60));
   const distance = toSurface(tree);
-  assert.ok(Math.abs(distance(2, 0, 0) - 1) < 2e-3 && Math.abs(distance(0, 0, 0) - 1) < 2e-3 && distance(0, 1, 0) < 1e-6);
+  assert.ok(
+      Math.abs(distance(2, 0, 0) - 1) < 2e-3 && Math.abs(distance(0, 0, 0) - 1) < 2e-3 && distance(0, 1, 0) < 1e-6);
   assert.ok(encloses(tree, 0.3, 0.2, -0.5));
   assert.ok(!encloses(tree, 0.9, 0.9, 0));
 });

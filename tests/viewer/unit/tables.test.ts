@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The page guesses tables of text as the server does: both are held to the same cases.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import {readFileSync} from 'node:fs';
 import path from 'node:path';
-import { test } from 'node:test';
-import { wordOf, type TableOptions } from '../../../server/web/src/clouds/table';
-import { readText } from '../../../server/web/src/clouds/text';
+import {test} from 'node:test';
+import {wordOf, type TableOptions} from '../../../server/web/src/clouds/table';
+import {readText} from '../../../server/web/src/clouds/text';
 
 interface Case {
   name: string;
@@ -18,7 +18,9 @@ interface Case {
   guessed?: boolean;
 }
 
-const cases = JSON.parse(readFileSync(path.join(process.env.SURFACED_SOURCE ?? '.', 'tests/support/tables.json'), 'utf8')) as Case[];
+const cases =
+    JSON.parse(readFileSync(path.join(process.env.SURFACED_SOURCE ?? '.', 'tests/support/tables.json'), 'utf8')) as
+    Case[];
 
 for (const each of cases) {
   test(`a table of ${each.name}`, () => {
@@ -27,7 +29,7 @@ for (const each of cases) {
       assert.throws(read);
       return;
     }
-    const { form } = read();
+    const {form} = read();
     assert.equal(form.roles.join(','), each.columns);
     assert.equal(wordOf(form.separator), each.separator);
     assert.equal(form.decimalComma ? 'comma' : 'point', each.decimal);

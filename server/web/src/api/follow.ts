@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Follows a job by its Server-Sent Events. EventSource cannot send a key, so the stream is read with fetch.
-import { ApiError, type Api } from './client';
-import type { Job, Problem } from './types';
+import {ApiError, type Api} from './client';
+import type {Job, Problem} from './types';
 
 export interface Watcher {
   state(job: Job): void;
@@ -29,7 +29,7 @@ export class EventCutter {
 }
 
 function parseEvent(block: string): SseEvent {
-  const event: SseEvent = { event: 'message', id: '', data: '' };
+  const event: SseEvent = {event: 'message', id: '', data: ''};
   const data: string[] = [];
   for (const line of block.split('\n')) {
     const colon = line.indexOf(':');
@@ -44,22 +44,23 @@ function parseEvent(block: string): SseEvent {
 }
 
 /** Ends early, and without complaint, if the signal does. */
-export const pause = (milliseconds: number, signal: AbortSignal): Promise<void> =>
-  new Promise((resolve) => {
-    const timer = setTimeout(resolve, milliseconds);
-    signal.addEventListener('abort', () => (clearTimeout(timer), resolve()), { once: true });
-  });
+export const pause = (milliseconds: number, signal: AbortSignal): Promise<void> => new Promise((resolve) => {
+  const timer = setTimeout(resolve, milliseconds);
+  signal.addEventListener('abort', () => (clearTimeout(timer), resolve()), {once: true});
+});
 
 /** Resolves with the job once it has ended; undefined if the signal ended the watching. */
-export async function followJob(api: Api, id: string, watcher: Watcher, signal: AbortSignal): Promise<Job | undefined> {
+export async function followJob(api: Api, id: string, watcher: Watcher, signal: AbortSignal): Promise<Job|undefined> {
   let last = '';
   for (let wait = 500; !signal.aborted; wait = Math.min(2 * wait, 8000)) {
     try {
-      const ended = await readStream(api, id, last, (event) => (last = event.id || last), watcher, signal, () => (wait = 500));
+      const ended =
+          await readStream(api, id, last, (event) => (last = event.id || last), watcher, signal, () => (wait = 500));
       if (ended) return ended;
     } catch (failure) {
       if (signal.aborted) return undefined;
-      if (failure instanceof ApiError && failure.status >= 400 && failure.status < 500 && failure.status !== 429) throw failure;
+      if (failure instanceof ApiError && failure.status >= 400 && failure.status < 500 && failure.status !== 429)
+        throw failure;
     }
     watcher.lost(wait);
     await pause(wait, signal);
@@ -67,18 +68,19 @@ export async function followJob(api: Api, id: string, watcher: Watcher, signal: 
   return undefined;
 }
 
-async function readStream(api: Api, id: string, last: string, seen: (event: SseEvent) => void, watcher: Watcher, signal: AbortSignal,
-  alive: () => void): Promise<Job | undefined> {
-  const headers: Record<string, string> = { Accept: 'text/event-stream' };
+async function readStream(
+    api: Api, id: string, last: string, seen: (event: SseEvent) => void, watcher: Watcher, signal: AbortSignal,
+    alive: () => void): Promise<Job|undefined> {
+  const headers: Record<string, string> = {Accept: 'text/event-stream'};
   if (last) headers['Last-Event-ID'] = last;
-  const response = await api.fetch(`v1/jobs/${id}/events`, { headers, signal });
+  const response = await api.fetch(`v1/jobs/${id}/events`, {headers, signal});
   if (response.status === 204 || !response.body) return api.job(id);
   watcher.lost(0);
   alive();
   const cutter = new EventCutter();
   const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
   for (;;) {
-    const { done, value } = await reader.read();
+    const {done, value} = await reader.read();
     if (done) return undefined;
     for (const event of cutter.push(value)) {
       seen(event);
@@ -96,9 +98,12 @@ function doneJob(data: unknown): Job {
 
 function tell(watcher: Watcher, event: string, data: unknown): void {
   if (event === 'state') watcher.state(data as Job);
-  if (event === 'log') watcher.log((data as { lines: string[] }).lines);
+  if (event === 'log') watcher.log((data as {lines: string[]}).lines);
   if (event === 'progress') {
-    const { progress, phase } = data as { progress: number; phase: string };
+    const {progress, phase} = data as {
+      progress: number;
+      phase: string
+    };
     watcher.progress(progress, phase);
   }
 }

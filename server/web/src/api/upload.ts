@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sends a cloud with tus: what has arrived counts, also when the connection is lost or the page is closed meanwhile.
-import { DetailedError, Upload } from 'tus-js-client';
-import { ApiError, unreachable, type Api } from './client';
-import type { Problem } from './types';
+import {DetailedError, Upload} from 'tus-js-client';
+import {ApiError, unreachable, type Api} from './client';
+import type {Problem} from './types';
 
 export interface UploadWatcher {
   progress(sent: number, total: number): void;
@@ -20,7 +20,7 @@ export function uploadCloud(api: Api, file: File, watcher: UploadWatcher, signal
       endpoint: api.url('v1/uploads'),
       retryDelays: kRetries,
       removeFingerprintOnSuccess: true,
-      metadata: { filename: file.name },
+      metadata: {filename: file.name},
       onBeforeRequest: (request) => {
         if (api.key) request.setHeader('Authorization', `Bearer ${api.key}`);
       },
@@ -42,7 +42,7 @@ export function uploadCloud(api: Api, file: File, watcher: UploadWatcher, signal
       void upload.abort().catch(() => undefined);
     };
     if (signal.aborted) stop();
-    signal.addEventListener('abort', stop, { once: true });
+    signal.addEventListener('abort', stop, {once: true});
     void upload.findPreviousUploads().then((earlier) => {
       const latest = earlier.at(-1);
       if (latest) upload.resumeFromPreviousUpload(latest);
@@ -57,7 +57,8 @@ function errorOf(failure: Error): ApiError {
     try {
       return ApiError.of(JSON.parse(response.getBody()) as Problem);
     } catch {
-      return new ApiError('unknown', `The server answered ${response.getStatus()}`, 'the upload was refused', '', response.getStatus());
+      return new ApiError(
+          'unknown', `The server answered ${response.getStatus()}`, 'the upload was refused', '', response.getStatus());
     }
   }
   return unreachable('the connection was lost during the upload; choose Reconstruct again to go on where it broke off');

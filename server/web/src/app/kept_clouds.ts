@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The latest clouds, kept by this browser under the id that the server gave them, so that the link of a job shows its points
-// again. Where the browser does not permit it, nothing is kept, and nothing else changes.
+// The latest clouds, kept by this browser under the id that the server gave them, so that the link of a job shows its
+// points again. Where the browser does not permit it, nothing is kept, and nothing else changes.
 const kDatabase = 'surfaced';
 const kStore = 'clouds';
 const kMost = 6;
@@ -21,7 +21,7 @@ function done<T>(request: IDBRequest<T>): Promise<T> {
 
 async function open(): Promise<IDBDatabase> {
   const request = indexedDB.open(kDatabase, 1);
-  request.onupgradeneeded = () => request.result.createObjectStore(kStore, { keyPath: 'id' });
+  request.onupgradeneeded = () => request.result.createObjectStore(kStore, {keyPath: 'id'});
   return done(request);
 }
 
@@ -29,7 +29,7 @@ export async function keepCloud(id: string, file: File): Promise<void> {
   if (file.size > kLargest) return;
   try {
     const store = (await open()).transaction(kStore, 'readwrite').objectStore(kStore);
-    await done(store.put({ id, file, when: Date.now() } satisfies Kept));
+    await done(store.put({id, file, when: Date.now()} satisfies Kept));
     const all = (await done(store.getAll())) as Kept[];
     const old = all.sort((a, b) => b.when - a.when).slice(kMost);
     await Promise.all(old.map((each) => done(store.delete(each.id))));
@@ -38,7 +38,7 @@ export async function keepCloud(id: string, file: File): Promise<void> {
   }
 }
 
-export async function keptCloud(id: string): Promise<File | undefined> {
+export async function keptCloud(id: string): Promise<File|undefined> {
   try {
     const store = (await open()).transaction(kStore).objectStore(kStore);
     return ((await done(store.get(id))) as Kept | undefined)?.file;

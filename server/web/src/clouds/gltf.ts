@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Positions and triangles of glTF and GLB. three's GLTFLoader is not used: it also builds materials and textures, and its
-// Draco loader starts workers from blobs, which the page's policy forbids.
-import { Matrix4, Quaternion, Vector3 } from 'three';
-import { MeshoptDecoder } from 'three/examples/jsm/libs/meshopt_decoder.module.js';
-import { UnreadableCloud } from './cloud_data';
-import { decodeDraco } from './draco';
+// Positions and triangles of glTF and GLB. three's GLTFLoader is not used: it also builds materials and textures, and
+// its Draco loader starts workers from blobs, which the page's policy forbids.
+import {Matrix4, Quaternion, Vector3} from 'three';
+import {MeshoptDecoder} from 'three/examples/jsm/libs/meshopt_decoder.module.js';
+
+import {UnreadableCloud} from './cloud_data';
+import {decodeDraco} from './draco';
 
 interface Primitive {
   attributes: Record<string, number>;
   indices?: number;
   mode?: number;
-  extensions?: { KHR_draco_mesh_compression?: { bufferView: number; attributes: Record<string, number> } };
+  extensions?: {KHR_draco_mesh_compression?: {bufferView: number; attributes: Record<string, number>}};
 }
 interface View {
   byteOffset?: number;
   byteLength: number;
   byteStride?: number;
-  extensions?: { EXT_meshopt_compression?: { byteOffset?: number; byteLength: number; byteStride: number; count: number; mode: string; filter?: string } };
+  extensions?: {
+    EXT_meshopt_compression?:
+        {byteOffset?: number; byteLength: number; byteStride: number; count: number; mode: string; filter?: string}
+  };
 }
 interface Node {
   mesh?: number;
@@ -25,49 +29,55 @@ interface Node {
   translation?: number[];
   rotation?: number[];
   scale?: number[];
-  extras?: { origin?: [number, number, number] };
+  extras?: {origin?: [number, number, number]};
 }
 export interface Gltf {
-  asset: { extras?: unknown };
+  asset: {extras?: unknown};
   scene?: number;
-  scenes?: { nodes?: number[] }[];
+  scenes?: {nodes?: number[]}[];
   nodes?: Node[];
-  meshes?: { primitives: Primitive[] }[];
-  accessors?: { bufferView?: number; byteOffset?: number; componentType: number; count: number; type: string; normalized?: boolean }[];
+  meshes?: {primitives: Primitive[]}[];
+  accessors?: {
+    bufferView?: number;
+    byteOffset?: number; componentType: number; count: number; type: string;
+    normalized?: boolean
+  }[];
   bufferViews?: View[];
-  buffers?: { uri?: string; byteLength: number }[];
+  buffers?: {uri?: string; byteLength: number}[];
 }
 
 const kJson = 0x4e4f534a;
 
-export function openGlb(bytes: Uint8Array): { json: Gltf; buffer: Uint8Array } {
+export function openGlb(bytes: Uint8Array): {json: Gltf; buffer: Uint8Array} {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const length = view.getUint32(12, true);
-  if (view.getUint32(16, true) !== kJson || 20 + length > bytes.length) throw new UnreadableCloud('the GLB has no JSON');
+  if (view.getUint32(16, true) !== kJson || 20 + length > bytes.length)
+    throw new UnreadableCloud('the GLB has no JSON');
   const json = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length))) as Gltf;
   const at = 20 + length;
   const buffer = at + 8 <= bytes.length ? bytes.subarray(at + 8, at + 8 + view.getUint32(at, true)) : new Uint8Array();
-  return { json, buffer };
+  return {json, buffer};
 }
 
-export function openGltf(bytes: Uint8Array): { json: Gltf; buffer: Uint8Array } {
+export function openGltf(bytes: Uint8Array): {json: Gltf; buffer: Uint8Array} {
   const json = JSON.parse(new TextDecoder().decode(bytes)) as Gltf;
   const uri = json.buffers?.[0]?.uri ?? '';
   if (!uri.startsWith('data:')) throw new UnreadableCloud('the glTF keeps its points in another file');
   const text = atob(uri.slice(uri.indexOf(',') + 1));
-  return { json, buffer: Uint8Array.from(text, (c) => c.charCodeAt(0)) };
+  return {json, buffer: Uint8Array.from(text, (c) => c.charCodeAt(0))};
 }
 
 /** The bytes of a view, unpacked where meshoptimizer has packed them. */
 async function bytesOf(view: View, buffer: Uint8Array): Promise<Uint8Array> {
   const packed = view.extensions?.EXT_meshopt_compression;
-  const { byteOffset = 0, byteLength } = packed ?? view;
+  const {byteOffset = 0, byteLength} = packed ?? view;
   if (byteOffset + byteLength > buffer.length) throw new UnreadableCloud('the glTF ends before its data does');
   const bytes = buffer.subarray(byteOffset, byteOffset + byteLength);
   if (!packed) return bytes;
   await MeshoptDecoder.ready;
   const unpacked = new Uint8Array(packed.count * packed.byteStride);
-  MeshoptDecoder.decodeGltfBuffer(unpacked, packed.count, packed.byteStride, bytes, packed.mode, packed.filter ?? 'NONE');
+  MeshoptDecoder.decodeGltfBuffer(
+      unpacked, packed.count, packed.byteStride, bytes, packed.mode, packed.filter ?? 'NONE');
   return unpacked;
 }
 
@@ -82,17 +92,20 @@ const components: Record<number, [number, Read, number]> = {
   5126: [4, (data, at) => data.getFloat32(at, true), 1],
 };
 
-async function readAccessor<T extends Float32Array | Uint32Array>(json: Gltf, buffer: Uint8Array, index: number, width: number, make: (size: number) => T): Promise<T> {
+async function readAccessor<T extends Float32Array|Uint32Array>(
+    json: Gltf, buffer: Uint8Array, index: number, width: number, make: (size: number) => T): Promise<T> {
   const accessor = json.accessors?.[index];
   const view = json.bufferViews?.[accessor?.bufferView ?? -1];
   if (!accessor || !view) throw new UnreadableCloud('the glTF has positions without bytes');
   const known = components[accessor.componentType];
-  if (!known) throw new UnreadableCloud(`the glTF has numbers of the type ${accessor.componentType}, which is not expected here`);
+  if (!known)
+    throw new UnreadableCloud(`the glTF has numbers of the type ${accessor.componentType}, which is not expected here`);
   const [size, get, one] = known;
   const bytes = await bytesOf(view, buffer);
   const stride = view.extensions?.EXT_meshopt_compression?.byteStride ?? view.byteStride ?? size * width;
   const start = accessor.byteOffset ?? 0;
-  if (start + (accessor.count - 1) * stride + size * width > bytes.length) throw new UnreadableCloud('the glTF ends before its data does');
+  if (start + (accessor.count - 1) * stride + size * width > bytes.length)
+    throw new UnreadableCloud('the glTF ends before its data does');
   const data = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const scale = accessor.normalized ? 1 / one : 1;
   const out = make(accessor.count * width);
@@ -102,7 +115,8 @@ async function readAccessor<T extends Float32Array | Uint32Array>(json: Gltf, bu
   return out;
 }
 
-export async function readPrimitive(json: Gltf, buffer: Uint8Array, primitive: Primitive): Promise<{ positions: Float32Array; index?: Uint32Array }> {
+export async function readPrimitive(
+    json: Gltf, buffer: Uint8Array, primitive: Primitive): Promise<{positions: Float32Array; index?: Uint32Array}> {
   const draco = primitive.extensions?.KHR_draco_mesh_compression;
   if (draco) {
     const view = json.bufferViews?.[draco.bufferView];
@@ -110,9 +124,10 @@ export async function readPrimitive(json: Gltf, buffer: Uint8Array, primitive: P
     const start = view.byteOffset ?? 0;
     return decodeDraco(buffer.slice(start, start + view.byteLength), draco.attributes.POSITION);
   }
-  const positions = await readAccessor(json, buffer, primitive.attributes.POSITION, 3, (size) => new Float32Array(size));
-  if (primitive.indices === undefined) return { positions };
-  return { positions, index: await readAccessor(json, buffer, primitive.indices, 1, (size) => new Uint32Array(size)) };
+  const positions =
+      await readAccessor(json, buffer, primitive.attributes.POSITION, 3, (size) => new Float32Array(size));
+  if (primitive.indices === undefined) return {positions};
+  return {positions, index: await readAccessor(json, buffer, primitive.indices, 1, (size) => new Uint32Array(size))};
 }
 
 function localMatrix(node: Node): Matrix4 {
@@ -124,12 +139,12 @@ function localMatrix(node: Node): Matrix4 {
 /** Points of all meshes of the scene, where their nodes put them. */
 export async function readScenePoints(json: Gltf, buffer: Uint8Array): Promise<Float64Array> {
   const points: number[] = [];
-  const visit = async (index: number, parent: Matrix4, depth: number): Promise<void> => {
+  const visit = async(index: number, parent: Matrix4, depth: number): Promise<void> => {
     const node = json.nodes?.[index];
     if (!node || depth > 64) return;
     const world = parent.clone().multiply(localMatrix(node));
     for (const primitive of json.meshes?.[node.mesh ?? -1]?.primitives ?? []) {
-      const { positions } = await readPrimitive(json, buffer, primitive);
+      const {positions} = await readPrimitive(json, buffer, primitive);
       const p = new Vector3();
       for (let i = 0; i < positions.length; i += 3) {
         p.fromArray(positions, i).applyMatrix4(world);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Positions of a PCD: ascii, binary, binary_compressed.
-import { UnreadableCloud } from './cloud_data';
+import {UnreadableCloud} from './cloud_data';
 
 interface Field {
   name: string;
@@ -14,14 +14,14 @@ function fieldsOf(header: Map<string, string[]>): Field[] {
   const numbers = (key: string, otherwise: number) => names.map((_, i) => Number(header.get(key)?.[i] ?? otherwise));
   const size = numbers('SIZE', 4);
   const times = numbers('COUNT', 1);
-  return names.map((name, i) => ({ name, size: size[i], type: header.get('TYPE')?.[i] ?? 'F', count: times[i] }));
+  return names.map((name, i) => ({name, size: size[i], type: header.get('TYPE')?.[i] ?? 'F', count: times[i]}));
 }
 
 /** LZF, as PCL writes it. */
 export function unpackLzf(packed: Uint8Array, size: number): Uint8Array {
   const out = new Uint8Array(size);
   let to = 0;
-  for (let at = 0; at < packed.length; ) {
+  for (let at = 0; at < packed.length;) {
     const control = packed[at++];
     if (control < 32) {
       out.set(packed.subarray(at, at + control + 1), to);
@@ -39,7 +39,9 @@ export function unpackLzf(packed: Uint8Array, size: number): Uint8Array {
 }
 
 /** Where each of x, y, z begins, and how far it is from one point to the next. */
-type Places = { at: number; stride: number; size: number }[];
+type Places = {
+  at: number; stride: number; size: number
+}[];
 
 function placesOf(fields: Field[], points: number, columns: boolean): Places {
   const row = fields.reduce((sum, field) => sum + field.size * field.count, 0);
@@ -49,7 +51,7 @@ function placesOf(fields: Field[], points: number, columns: boolean): Places {
       const width = field.size * field.count;
       if (field.name === name) {
         if (field.type !== 'F') throw new UnreadableCloud('the coordinates of the PCD are not floating point');
-        return { at, stride: columns ? width : row, size: field.size };
+        return {at, stride: columns ? width : row, size: field.size};
       }
       at += columns ? width * points : width;
     }
@@ -57,10 +59,10 @@ function placesOf(fields: Field[], points: number, columns: boolean): Places {
   });
 }
 
-function pick(bytes: Uint8Array, places: Places, points: number): Float32Array | Float64Array {
+function pick(bytes: Uint8Array, places: Places, points: number): Float32Array|Float64Array {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const xyz = places[0].size === 8 ? new Float64Array(3 * points) : new Float32Array(3 * points);
-  places.forEach(({ at, stride, size }, k) => {
+  places.forEach(({at, stride, size}, k) => {
     for (let i = 0; i < points; i += 1) {
       xyz[3 * i + k] = size === 8 ? view.getFloat64(at + i * stride, true) : view.getFloat32(at + i * stride, true);
     }
@@ -84,13 +86,16 @@ function pickAscii(text: string, fields: Field[], points: number): Float64Array 
   return xyz;
 }
 
-export function readPcd(bytes: Uint8Array): Float32Array | Float64Array {
+export function readPcd(bytes: Uint8Array): Float32Array|Float64Array {
   const text = new TextDecoder('latin1').decode(bytes.subarray(0, 1 << 16));
   const end = /\nDATA\s+(\w+)[^\n]*\n/.exec(text);
   if (!end) throw new UnreadableCloud('the header of the PCD has no end');
-  const header = new Map(text.slice(0, end.index).split('\n').map((line) => line.trim().split(/\s+/)).map(([key, ...rest]) => [key, rest]));
+  const header = new Map(
+      text.slice(0, end.index).split('\n').map((line) => line.trim().split(/\s+/)).map(([key,
+                                                                                         ...rest]) => [key, rest]));
   const fields = fieldsOf(header);
-  const points = Number(header.get('POINTS')?.[0] ?? Number(header.get('WIDTH')?.[0]) * Number(header.get('HEIGHT')?.[0]));
+  const points =
+      Number(header.get('POINTS')?.[0] ?? Number(header.get('WIDTH')?.[0]) * Number(header.get('HEIGHT')?.[0]));
   const body = bytes.subarray(end.index + end[0].length);
   if (end[1] === 'ascii') return pickAscii(new TextDecoder('latin1').decode(body), fields, points);
   if (end[1] === 'binary') return pick(body, placesOf(fields, points, false), points);

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Points of a file, told by its content as the server does. What cannot be read here is for the server to judge.
-import { toCloudData, UnreadableCloud, type CloudData } from './cloud_data';
-import { decodeDraco } from './draco';
-import { openGlb, openGltf, readScenePoints } from './gltf';
-import { readLas } from './las';
-import { readPcd } from './pcd';
-import { readPly } from './ply';
-import { isBinaryStl, readStl } from './stl';
-import type { TableOptions } from './table';
-import { decodeText, encodingOf, isObj, readObj, readText } from './text';
+import {toCloudData, UnreadableCloud, type CloudData} from './cloud_data';
+import {decodeDraco} from './draco';
+import {openGlb, openGltf, readScenePoints} from './gltf';
+import {readLas} from './las';
+import {readPcd} from './pcd';
+import {readPly} from './ply';
+import {isBinaryStl, readStl} from './stl';
+import type {TableOptions} from './table';
+import {decodeText, encodingOf, isObj, readObj, readText} from './text';
 
 /** How texts of other formats begin. */
-const kStrangers = /^\s*(\[\s*[[{"\]\d-]|<|newmtl|p[1-7f][\r\n]|[cn]?off\s|# vtk datafile|ncols\s|dsaa\s|; fbx|#usda|#vrml|#x3d|iso-10303-21|\{\\rtf|version https:\/\/git-lfs|0\s*\r?\n\s*section)/i;
+const kStrangers =
+    /^\s*(\[\s*[[{"\]\d-]|<|newmtl|p[1-7f][\r\n]|[cn]?off\s|# vtk datafile|ncols\s|dsaa\s|; fbx|#usda|#vrml|#x3d|iso-10303-21|\{\\rtf|version https:\/\/git-lfs|0\s*\r?\n\s*section)/i;
 
 const isGzip = (bytes: Uint8Array): boolean => bytes[0] === 0x1f && bytes[1] === 0x8b;
 
@@ -32,19 +33,20 @@ export async function readCloud(given: Uint8Array, table: TableOptions = {}): Pr
   if (head.startsWith('DRACO')) return toCloudData((await decodeDraco(bytes)).positions, 'Draco');
   if (head.startsWith('LASF')) return toCloudData(readLas(bytes), 'LAS');
   if (head.startsWith('glTF')) {
-    const { json, buffer } = openGlb(bytes);
+    const {json, buffer} = openGlb(bytes);
     return toCloudData(await readScenePoints(json, buffer), 'GLB');
   }
   if (/^\s*\{/.test(head)) {
-    const { json, buffer } = openGltf(bytes);
+    const {json, buffer} = openGltf(bytes);
     return toCloudData(await readScenePoints(json, buffer), 'glTF');
   }
   if (/^(#[^\n]*\n|\s)*(VERSION|FIELDS)\s/.test(head)) return toCloudData(readPcd(bytes), 'PCD');
   if (isBinaryStl(bytes) || /^\s*solid\b[^]*\bfacet\b/.test(head)) return toCloudData(readStl(bytes), 'STL');
   if (isObj(head)) return toCloudData(readObj(bytes), 'OBJ');
   // eslint-disable-next-line no-control-regex
-  if (/[\x00-\x08\x0e-\x19\x1c-\x1f]/.test(new TextDecoder('latin1').decode(bytes.subarray(0, 16_384)))) throw new UnreadableCloud('the file is in no format that this page reads');
+  if (/[\x00-\x08\x0e-\x19\x1c-\x1f]/.test(new TextDecoder('latin1').decode(bytes.subarray(0, 16_384))))
+    throw new UnreadableCloud('the file is in no format that this page reads');
   if (kStrangers.test(head)) throw new UnreadableCloud('the file is in no format that this page reads');
-  const { xyz, form } = readText(bytes, table);
-  return { ...toCloudData(xyz, 'text'), table: form };
+  const {xyz, form} = readText(bytes, table);
+  return {...toCloudData(xyz, 'text'), table: form};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Corners of the triangles of an STL, ascii or binary.
-import { UnreadableCloud } from './cloud_data';
+import {UnreadableCloud} from './cloud_data';
 
 export function isBinaryStl(bytes: Uint8Array): boolean {
   if (bytes.length < 84) return false;
@@ -11,11 +11,12 @@ export function isBinaryStl(bytes: Uint8Array): boolean {
   return triangles > 0 && (bytes.length === length || (bytes.length > length && !solid && bytes[83] === 0));
 }
 
-export function readStl(bytes: Uint8Array): Float32Array | Float64Array {
+export function readStl(bytes: Uint8Array): Float32Array|Float64Array {
   if (!isBinaryStl(bytes)) {
     const values: number[] = [];
     const text = new TextDecoder('latin1').decode(bytes);
-    for (const found of text.matchAll(/vertex\s+(\S+)\s+(\S+)\s+(\S+)/gi)) values.push(Number(found[1]), Number(found[2]), Number(found[3]));
+    for (const found of text.matchAll(/vertex\s+(\S+)\s+(\S+)\s+(\S+)/gi))
+      values.push(Number(found[1]), Number(found[2]), Number(found[3]));
     if (values.length === 0) throw new UnreadableCloud('the STL holds no triangles');
     return Float64Array.from(values);
   }

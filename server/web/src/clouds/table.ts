@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How a table of text is made: the rules of core/io/table_guess.cpp. Both are held to tests/support/tables.json.
-import { UnreadableCloud } from './cloud_data';
-import { meaningOf, rolesNamed, withoutUnits, type Role } from './table_names';
-import { rolesByValues, type ColumnValues } from './table_values';
+import {UnreadableCloud} from './cloud_data';
+import {meaningOf, rolesNamed, withoutUnits, type Role} from './table_names';
+import {rolesByValues, type ColumnValues} from './table_values';
 
 export interface TableOptions {
   columns?: string;
@@ -32,22 +32,31 @@ const kMostBehindHeader = 3;
 /** Lines with which a row of words and numbers is compared. */
 const kCompared = 10;
 const kSeparators = ['\t', ';', '|', ',', ' '];
-const kSeparatorWords: Record<string, string> = { tab: '\t', comma: ',', semicolon: ';', bar: '|', blank: ' ' };
+const kSeparatorWords: Record<string, string> = {
+  tab: '\t',
+  comma: ',',
+  semicolon: ';',
+  bar: '|',
+  blank: ' '
+};
 const kNumber = /^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$/;
 const kNotFinite = /^[+-]?(nan(\(\w*\))?|inf|infinity|1\.#(inf|qnan|snan|ind)\w*)$/i;
 const kNoMeasurement = new Set(['', '-', '--', 'na', 'n/a', '#n/a', 'null', 'none', 'nil', 'nodata']);
 
-export const wordOf = (separator: string): string => Object.entries(kSeparatorWords).find(([, sign]) => sign === separator)?.[0] ?? 'blank';
+export const wordOf = (separator: string): string =>
+    Object.entries(kSeparatorWords).find(([, sign]) => sign === separator)?.[0] ?? 'blank';
 /** Both the word and the sign itself say it. */
 const signOf = (given: string): string => kSeparatorWords[given] ?? given;
 const trimmed = (text: string): string => text.replace(/^[ \t\v\f]+|[ \t\v\f]+$/g, '');
 const isWhole = (cell: string): boolean => /^[+-]?\d+$/.test(cell);
 /** #N/A is what spreadsheets write for no value. */
-export const isComment = (line: string): boolean => (line.startsWith('#') && !/^#n\/a/i.test(line)) || line.startsWith('//');
+export const isComment = (line: string): boolean =>
+    (line.startsWith('#') && !/^#n\/a/i.test(line)) || line.startsWith('//');
 /** Nothing but separators, two at least, and empty quotes: a point without a measurement. */
-export const isEmptyRow = (line: string, separator: string): boolean =>
-  separator !== ' ' && line.split(separator).length > 2 && [...line].every((c) => c === separator || c === '"' || /[ \t\v\f]/.test(c));
-const isContent = (line: string): boolean => trimmed(line) !== '' && !isComment(trimmed(line)) && !isWhole(trimmed(line));
+export const isEmptyRow = (line: string, separator: string): boolean => separator !== ' ' &&
+    line.split(separator).length > 2 && [...line].every((c) => c === separator || c === '"' || /[ \t\v\f]/.test(c));
+const isContent = (line: string): boolean =>
+    trimmed(line) !== '' && !isComment(trimmed(line)) && !isWhole(trimmed(line));
 const withoutMark = (line: string): string => trimmed(line.slice(line.startsWith('//') ? 2 : 1));
 
 /** Digits in groups of three, at least two of them, and perhaps a decimal sign and more digits. */
@@ -58,39 +67,48 @@ const kPointGroups = /^[+-]?\d{1,3}(\.\d{3})+(,\d*)?$/;
 const kOtherGroups = /^[+-]?\d{1,3}(?:('\d{3})+|( \d{3})+)(\.\d*)?$/;
 const kOtherGroupsWithComma = /^[+-]?\d{1,3}(?:('\d{3})+|( \d{3})+)(,\d*)?$/;
 
-const readNumber = (text: string): number | undefined => (kNumber.test(text) ? Number(text) : kNotFinite.test(text) ? NaN : undefined);
+const readNumber = (text: string): number|undefined =>
+    (kNumber.test(text)        ? Number(text) :
+         kNotFinite.test(text) ? NaN :
+                                 undefined);
 
 /** A number that is written as programs for people write it. */
-function readUnusual(text: string, decimalComma: boolean): number | undefined {
+function readUnusual(text: string, decimalComma: boolean): number|undefined {
   if (kOtherGroups.test(text)) return readNumber(text.replace(/[' ]/g, ''));
   if (decimalComma && kPointGroups.test(text)) return readNumber(text.replaceAll('.', ''));
   return readNumber(text.replaceAll('\u2212', '-').replace(/(?<=.)[Dd](?=[+-])/g, 'e'));
 }
 
-function parseValue(text: string, decimalComma: boolean): number | undefined {
+function parseValue(text: string, decimalComma: boolean): number|undefined {
   if (!text.includes(',')) return readNumber(text) ?? readUnusual(text, decimalComma);
   if (kCommaGroups.test(text) && text.includes('.')) return readNumber(text.replaceAll(',', ''));
   if (!decimalComma) return undefined;
-  const grouped = kPointGroups.test(text) ? text.replaceAll('.', '') : kOtherGroupsWithComma.test(text) ? text.replace(/[' ]/g, '') : text;
+  const grouped = kPointGroups.test(text) ? text.replaceAll('.', '') :
+      kOtherGroupsWithComma.test(text)    ? text.replace(/[' ]/g, '') :
+                                            text;
   const pointed = grouped.replace(',', '.');
   return readNumber(pointed) ?? readUnusual(pointed, false);
 }
 
 /** A number of a table; NaN for what stands for no measurement, none for anything else. */
-export function parseCell(text: string, decimalComma: boolean): number | undefined {
+export function parseCell(text: string, decimalComma: boolean): number|undefined {
   return parseValue(text, decimalComma) ?? (kNoMeasurement.has(text.toLowerCase()) ? NaN : undefined);
 }
 
 const isNumber = (cell: string, decimalComma: boolean): boolean => parseValue(cell, decimalComma) !== undefined;
 /** Numbers, and words for no measurement. */
-const countValues = (cells: string[], decimalComma: boolean): number => cells.filter((cell) => cell !== '' && parseCell(cell, decimalComma) !== undefined).length;
+const countValues = (cells: string[], decimalComma: boolean): number =>
+    cells.filter((cell) => cell !== '' && parseCell(cell, decimalComma) !== undefined).length;
 
 function unquoted(value: string): string {
   const cell = trimmed(value);
   return cell.length >= 2 && cell.startsWith('"') && cell.endsWith('"') ? trimmed(cell.slice(1, -1)) : cell;
 }
 
-/** The values of a line, as many as there are. A separator within quotes is none, and one at the end of the line neither. */
+/**
+ * The values of a line, as many as there are. A separator within quotes is none, and one at the end of the line
+ * neither.
+ */
 export function valuesOf(line: string, separator: string): string[] {
   const blank = separator === ' ';
   const rest = blank || line.includes('"') ? trimmed(line) : line;
@@ -115,7 +133,8 @@ export function valuesOf(line: string, separator: string): string[] {
 
 const cellsOf = (line: string, separator: string): string[] => valuesOf(line, separator).slice(0, kMostColumns);
 
-const hasDecimalComma = (cell: string): boolean => /^[^,]*,\d[^,]*$/.test(cell) && (!cell.includes('.') || kPointGroups.test(cell));
+const hasDecimalComma = (cell: string): boolean =>
+    /^[^,]*,\d[^,]*$/.test(cell) && (!cell.includes('.') || kPointGroups.test(cell));
 
 /** Whether the line names x, y and z, whatever separates the names. */
 function namesColumns(line: string): boolean {
@@ -127,23 +146,23 @@ function namesColumns(line: string): boolean {
 }
 
 /** A row as a separator splits it: how many cells, and which of them hold values. */
-function shapeOf(line: string, separator: string): { cells: number; values: number[] } {
+function shapeOf(line: string, separator: string): {cells: number; values: number[]} {
   const cells = cellsOf(line, separator);
-  return { cells: cells.length, values: cells.flatMap((cell, c) => (countValues([cell], true) > 0 ? [c] : [])) };
+  return {cells: cells.length, values: cells.flatMap((cell, c) => (countValues([cell], true) > 0 ? [c] : []))};
 }
 
 /** No word beside its values, whose places are there: 17,,, */
 const isSparse = (cells: string[], separator: string): boolean =>
-  separator !== ' ' && cells.length >= 3 && cells.every((cell) => cell === '' || countValues([cell], true) > 0);
+    separator !== ' ' && cells.length >= 3 && cells.every((cell) => cell === '' || countValues([cell], true) > 0);
 
-function areAlike(a: { cells: number; values: number[] }, b: { cells: number; values: number[] }): boolean {
+function areAlike(a: {cells: number; values: number[]}, b: {cells: number; values: number[]}): boolean {
   return b.values.length >= 3 && (a.cells === b.cells || [0, 1, 2].every((i) => a.values[i] === b.values[i]));
 }
 
 class Guesser {
-  private roles: Role[] | undefined;
-  private header: string | undefined;
-  private hinted: string | undefined;
+  private roles: Role[]|undefined;
+  private header: string|undefined;
+  private hinted: string|undefined;
   private tries = 0;
   private lastPassed = '';
   private behindHeader = 0;
@@ -151,13 +170,14 @@ class Guesser {
   private readonly form: TableForm;
 
   constructor(private readonly options: TableOptions) {
-    this.form = { separator: ' ', decimalComma: false, skip: options.skip ?? 0, roles: [], guessed: false, preview: [] };
+    this.form = {separator: ' ', decimalComma: false, skip: options.skip ?? 0, roles: [], guessed: false, preview: []};
   }
 
   run(lines: string[]): TableForm {
     if (this.options.columns) {
       this.roles = rolesNamed(this.options.columns);
-      if (!this.roles) throw new UnreadableCloud(`columns=${this.options.columns} is no list of x, y, z, nx, ny, nz, r, g, b and -`);
+      if (!this.roles)
+        throw new UnreadableCloud(`columns=${this.options.columns} is no list of x, y, z, nx, ny, nz, r, g, b and -`);
     }
     this.findTable(lines);
     this.tellSeparator();
@@ -183,7 +203,7 @@ class Guesser {
       if (this.header !== undefined) this.behindHeader += 1;
       preamble += 1;
     }
-    if (preamble > kMostPreamble) at = lines.length; // prose
+    if (preamble > kMostPreamble) at = lines.length;  // prose
     for (; at < lines.length && this.rows.length < kTableRows; at += 1) {
       if (isContent(lines[at])) this.rows.push(lines[at]);
     }
@@ -196,7 +216,8 @@ class Guesser {
   private beginsTable(lines: string[], at: number): boolean {
     if (this.header !== undefined) return true;
     const next: string[] = [];
-    for (let i = at + 1; i < lines.length && next.length < kCompared; i += 1) if (isContent(lines[i])) next.push(lines[i]);
+    for (let i = at + 1; i < lines.length && next.length < kCompared; i += 1)
+      if (isContent(lines[i])) next.push(lines[i]);
     if (next.length > 0 && namesColumns(next[0])) return false;
     return this.separators().some((separator) => {
       const shape = shapeOf(lines[at], separator);
@@ -211,7 +232,8 @@ class Guesser {
 
   /** A few broken rows do not make it that. */
   private isProse(): boolean {
-    const rows = this.rows.filter((row) => this.looksLikeRow(row) || kSeparators.some((separator) => isEmptyRow(row, separator)));
+    const rows = this.rows.filter(
+        (row) => this.looksLikeRow(row) || kSeparators.some((separator) => isEmptyRow(row, separator)));
     return 2 * rows.length < this.rows.length;
   }
 
@@ -243,20 +265,26 @@ class Guesser {
 
   /** The first with three values, or else with anything. */
   private firstRow(): string {
-    const withValues = (least: number): string | undefined => this.rows.find((row) => countValues(cellsOf(row, this.form.separator), true) >= least);
+    const withValues = (least: number): string|undefined =>
+        this.rows.find((row) => countValues(cellsOf(row, this.form.separator), true) >= least);
     return withValues(3) ?? withValues(1) ?? this.rows[0];
   }
 
   private tellSeparator(): void {
-    const { form, options } = this;
-    form.separator = options.separator ? signOf(options.separator) : (this.hinted ?? (this.rows.length === 0 ? this.separatorOfHeader() : this.guessedSeparator()));
+    const {form, options} = this;
+    form.separator = options.separator ?
+        signOf(options.separator) :
+        (this.hinted ?? (this.rows.length === 0 ? this.separatorOfHeader() : this.guessedSeparator()));
     if (options.decimal) {
       form.decimalComma = ['comma', ','].includes(options.decimal);
       return;
     }
-    form.decimalComma = this.rows.some((row) => cellsOf(row, form.separator).some((cell) => hasDecimalComma(cell) && isNumber(cell, true)));
-    const thousands = this.rows.some((row) => cellsOf(row, form.separator).some((cell) => cell.includes('.') && kCommaGroups.test(cell)));
-    if (form.decimalComma && thousands) throw new UnreadableCloud('commas stand between thousands and seem to be decimal commas elsewhere');
+    form.decimalComma = this.rows.some(
+        (row) => cellsOf(row, form.separator).some((cell) => hasDecimalComma(cell) && isNumber(cell, true)));
+    const thousands = this.rows.some(
+        (row) => cellsOf(row, form.separator).some((cell) => cell.includes('.') && kCommaGroups.test(cell)));
+    if (form.decimalComma && thousands)
+      throw new UnreadableCloud('commas stand between thousands and seem to be decimal commas elsewhere');
     form.guessed ||= form.decimalComma || thousands;
     this.checkCommas();
   }
@@ -268,15 +296,21 @@ class Guesser {
 
   private guessedSeparator(): string {
     const good = kSeparators.find((separator) => {
-      const bad = this.rows.filter((row) => !isEmptyRow(row, separator) && countValues(cellsOf(row, separator), separator !== ',') < 3).length;
+      const bad =
+          this.rows
+              .filter(
+                  (row) => !isEmptyRow(row, separator) && countValues(cellsOf(row, separator), separator !== ',') < 3)
+              .length;
       return 10 * bad <= this.rows.length;
     });
     return good ?? ['\t', ';', '|', ','].find((separator) => this.firstRow().includes(separator)) ?? ' ';
   }
 
   private checkCommas(): void {
-    const { form } = this;
-    if (form.separator !== ',' || form.decimalComma || this.roles || this.options.separator || this.rows.some((row) => row.includes('"'))) return;
+    const {form} = this;
+    if (form.separator !== ',' || form.decimalComma || this.roles || this.options.separator ||
+        this.rows.some((row) => row.includes('"')))
+      return;
     let fraction = false;
     for (const row of this.rows) {
       const cells = cellsOf(row, ',');
@@ -300,7 +334,9 @@ class Guesser {
       if (!this.form.roles.includes('x')) {
         // The first row decides, so that a later one that breaks the table is named where it is read.
         const cells = cellsOf(this.firstRow(), this.form.separator);
-        values.forEach((column, c) => { column.numeric = isNumber(cells[c], this.form.decimalComma); });
+        values.forEach((column, c) => {
+          column.numeric = isNumber(cells[c], this.form.decimalComma);
+        });
         this.form.roles = rolesByValues(values);
       }
       if (!this.form.roles.includes('x')) throw new UnreadableCloud('no three of the columns hold numbers throughout');
@@ -311,15 +347,17 @@ class Guesser {
 
   /** A separator at its end is one more, where the header has a name for it. */
   private columnsOfFirstRow(): number {
-    const { separator } = this.form;
+    const {separator} = this.form;
     const columns = cellsOf(this.firstRow(), separator).length;
     const open = separator !== ' ' && this.firstRow().endsWith(separator);
-    return open && this.header !== undefined && cellsOf(this.header, separator).length === columns + 1 ? columns + 1 : columns;
+    return open && this.header !== undefined && cellsOf(this.header, separator).length === columns + 1 ? columns + 1 :
+                                                                                                         columns;
   }
 
   private takeNamed(roles: Role[], columns: number): void {
     if (this.rows.length > 0 && columns < roles.length) {
-      throw new UnreadableCloud(`columns=${roles.join(',')} names ${roles.length} columns; the first row has ${columns}`);
+      throw new UnreadableCloud(
+          `columns=${roles.join(',')} names ${roles.length} columns; the first row has ${columns}`);
     }
     this.form.guessed = false;
     this.form.roles = [...roles, ...Array<Role>(Math.max(0, columns - roles.length)).fill('-')];
@@ -327,10 +365,13 @@ class Guesser {
 
   private takeHeaderRoles(header: string, columns: number): void {
     const text = withoutUnits(header);
-    const read = [...new Set([this.form.separator, ...kSeparators])].map((separator) => meaningOf(cellsOf(text, separator))).filter((meaning) => meaning.hasPosition || meaning.degrees);
+    const read = [...new Set([this.form.separator, ...kSeparators])]
+                     .map((separator) => meaningOf(cellsOf(text, separator)))
+                     .filter((meaning) => meaning.hasPosition || meaning.degrees);
     const best = read.find((meaning) => meaning.roles.length === columns) ?? read[0];
-    if (best.degrees) throw new UnreadableCloud('the columns are longitude and latitude, which are angles and no lengths');
-    let { roles } = best;
+    if (best.degrees)
+      throw new UnreadableCloud('the columns are longitude and latitude, which are angles and no lengths');
+    let {roles} = best;
     // A mark of a comment that is not one of ours.
     if (roles.length === columns + 1 && columns > 0 && best.names[0] === '') roles = roles.slice(1);
     if (roles.length + 1 === columns && this.rows.length > 0) {
@@ -342,7 +383,8 @@ class Guesser {
       this.form.guessed = true;
       const known = roles.includes('-') ? roles.indexOf('-') : roles.length;
       const placed = (['x', 'y', 'z'] as Role[]).every((role) => roles.slice(0, known).includes(role));
-      if (!placed || known > columns) throw new UnreadableCloud(`the header names ${roles.length} columns, the first row has ${columns}`);
+      if (!placed || known > columns)
+        throw new UnreadableCloud(`the header names ${roles.length} columns, the first row has ${columns}`);
       roles = [...roles.slice(0, known), ...Array<Role>(columns - known).fill('-')];
     }
     this.form.roles = roles;
@@ -355,7 +397,7 @@ class Guesser {
   }
 
   private valuesOfColumns(columns: number): ColumnValues[] {
-    const values: ColumnValues[] = Array.from({ length: columns }, () => ({ values: [], numeric: true }));
+    const values: ColumnValues[] = Array.from({length: columns}, () => ({values: [], numeric: true}));
     for (const row of this.rows) {
       if (isEmptyRow(row, this.form.separator)) continue;
       const cells = cellsOf(row, this.form.separator);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Positions of text: XYZ, CSV, PTS, as the server reads them.
-import { UnreadableCloud } from './cloud_data';
-import { guessTable, isComment, isEmptyRow, kTableSample, parseCell, valuesOf, type TableForm, type TableOptions } from './table';
+import {UnreadableCloud} from './cloud_data';
+import {guessTable, isComment, isEmptyRow, kTableSample, parseCell, valuesOf, type TableForm, type TableOptions} from './table';
 
 export interface TextPoints {
   xyz: Float64Array;
@@ -9,15 +9,17 @@ export interface TextPoints {
 }
 
 /** The encoding, which a byte order mark or the zeros tell. */
-export function encodingOf(bytes: Uint8Array): 'utf-16le' | 'utf-16be' | 'utf-8' {
+export function encodingOf(bytes: Uint8Array): 'utf-16le'|'utf-16be'|'utf-8' {
   const [first, second] = bytes;
-  const zeros = [0, 1].map((offset) => bytes.subarray(0, 16).filter((byte, i) => i % 2 === offset && byte === 0).length);
+  const zeros =
+      [0, 1].map((offset) => bytes.subarray(0, 16).filter((byte, i) => i % 2 === offset && byte === 0).length);
   if ((first === 0xff && second === 0xfe) || (zeros[0] === 0 && zeros[1] === 8)) return 'utf-16le';
   if ((first === 0xfe && second === 0xff) || (zeros[0] === 8 && zeros[1] === 0)) return 'utf-16be';
   return 'utf-8';
 }
 
-export const decodeText = (bytes: Uint8Array): string => new TextDecoder(encodingOf(bytes)).decode(bytes).replace(/^\uFEFF/, '');
+export const decodeText = (bytes: Uint8Array): string =>
+    new TextDecoder(encodingOf(bytes)).decode(bytes).replace(/^\uFEFF/, '');
 
 /** The form of a text, told by as many of its bytes as the server looks at. */
 export function formOf(text: string, options: TableOptions = {}): TableForm {
@@ -27,7 +29,7 @@ export function formOf(text: string, options: TableOptions = {}): TableForm {
 }
 
 /** How many points there are up to the end of a scan whose count stands alone; none where no count may stand. */
-function countedIn(cell: string, points: number, declared: number | undefined): number | undefined {
+function countedIn(cell: string, points: number, declared: number|undefined): number|undefined {
   const begins = points === 0 ? !declared : declared !== undefined && points >= declared;
   return begins && /^\+?\d+$/.test(cell) ? points + Number(cell) : undefined;
 }
@@ -37,7 +39,7 @@ export function readText(bytes: Uint8Array, options: TableOptions = {}): TextPoi
   const form = formOf(text, options);
   const columns = (['x', 'y', 'z'] as const).map((role) => form.roles.indexOf(role));
   const values: number[] = [];
-  let declared: number | undefined;
+  let declared: number|undefined;
   text.split(/\r\n|\n|\r/).forEach((line, at) => {
     const start = line.trimStart();
     if (at < form.skip || start === '\u001a' || isComment(start)) return;
@@ -52,12 +54,13 @@ export function readText(bytes: Uint8Array, options: TableOptions = {}): TextPoi
       if (declared === undefined) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
       return;
     }
-    const point = columns.map((column) => (column < cells.length ? parseCell(cells[column], form.decimalComma) : undefined));
+    const point =
+        columns.map((column) => (column < cells.length ? parseCell(cells[column], form.decimalComma) : undefined));
     if (point.includes(undefined)) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
     values.push(...(point as number[]));
   });
   if (values.length === 0) throw new UnreadableCloud('the text holds no points');
-  return { xyz: Float64Array.from(values), form };
+  return {xyz: Float64Array.from(values), form};
 }
 
 export function readObj(bytes: Uint8Array): Float64Array {

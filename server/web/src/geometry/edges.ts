@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Edges by how many triangles they have. Each comes as two vertices.
-import type { MeshData } from './mesh_data';
+import type {MeshData} from './mesh_data';
 
 export interface Edges {
   all: Uint32Array;
@@ -10,7 +10,7 @@ export interface Edges {
   nonManifold: Uint32Array;
 }
 
-export function edgesOf({ positions, index }: MeshData): Edges {
+export function edgesOf({positions, index}: MeshData): Edges {
   const vertices = positions.length / 3;
   // Below 2^53: a mesh of 94 million vertices would be the first that does not fit.
   const keys = new Float64Array(index.length);
@@ -25,7 +25,7 @@ export function edgesOf({ positions, index }: MeshData): Edges {
   const boundary: number[] = [];
   const nonManifold: number[] = [];
   let count = 0;
-  for (let at = 0; at < keys.length; ) {
+  for (let at = 0; at < keys.length;) {
     let next = at + 1;
     while (next < keys.length && keys[next] === keys[at]) next += 1;
     const u = Math.floor(keys[at] / vertices);
@@ -37,5 +37,9 @@ export function edgesOf({ positions, index }: MeshData): Edges {
     if (next - at > 2) nonManifold.push(u, v);
     at = next;
   }
-  return { all: all.slice(0, 2 * count), boundary: Uint32Array.from(boundary), nonManifold: Uint32Array.from(nonManifold) };
+  return {
+    all: all.slice(0, 2 * count),
+    boundary: Uint32Array.from(boundary),
+    nonManifold: Uint32Array.from(nonManifold)
+  };
 }

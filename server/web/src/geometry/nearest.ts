@@ -5,7 +5,7 @@ export class NearestPoints {
   private readonly order: Uint32Array;
 
   constructor(private readonly points: Float32Array) {
-    this.order = Uint32Array.from({ length: points.length / 3 }, (_, i) => i);
+    this.order = Uint32Array.from({length: points.length / 3}, (_, i) => i);
     this.arrange();
   }
 
@@ -23,7 +23,7 @@ export class NearestPoints {
 
   /** Hoare's selection: what is not greater before `at`, what is not less behind it. */
   private select(from: number, to: number, at: number, axis: number): void {
-    const { order, points } = this;
+    const {order, points} = this;
     let low = from;
     let high = to;
     while (low < high) {
@@ -40,9 +40,12 @@ export class NearestPoints {
         i += 1;
         j -= 1;
       }
-      if (at <= j) high = j;
-      else if (at >= i) low = i;
-      else return;
+      if (at <= j)
+        high = j;
+      else if (at >= i)
+        low = i;
+      else
+        return;
     }
   }
 
@@ -68,10 +71,12 @@ export class NearestPoints {
 }
 
 /** Distance of each query point to the nearest of the others. */
-export function distancesTo(target: NearestPoints, queries: Float32Array, shift: [number, number, number]): Float32Array {
+export function distancesTo(
+    target: NearestPoints, queries: Float32Array, shift: [number, number, number]): Float32Array {
   const distances = new Float32Array(queries.length / 3);
   for (let i = 0; i < distances.length; i += 1) {
-    distances[i] = target.distance(queries[3 * i] + shift[0], queries[3 * i + 1] + shift[1], queries[3 * i + 2] + shift[2]);
+    distances[i] =
+        target.distance(queries[3 * i] + shift[0], queries[3 * i + 1] + shift[1], queries[3 * i + 2] + shift[2]);
   }
   return distances;
 }

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A coarse stand-in to draw while the camera moves: vertices of a cell of a grid become one, triangles that lose a corner go.
-import type { MeshData } from './mesh_data';
+// A coarse stand-in to draw while the camera moves: vertices of a cell of a grid become one, triangles that lose a
+// corner go.
+import type {MeshData} from './mesh_data';
 
 const kEmpty = 0xffffffff;
 
-function boxOf(positions: Float32Array): { low: number[]; size: number[] } {
+function boxOf(positions: Float32Array): {low: number[]; size: number[]} {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < positions.length; i += 1) {
     low[i % 3] = Math.min(low[i % 3], positions[i]);
     high[i % 3] = Math.max(high[i % 3], positions[i]);
   }
-  return { low, size: high.map((value, axis) => value - low[axis]) };
+  return {low, size: high.map((value, axis) => value - low[axis])};
 }
 
 function clustered(mesh: MeshData, cells: number): Uint32Array {
-  const { low, size } = boxOf(mesh.positions);
+  const {low, size} = boxOf(mesh.positions);
   const cell = Math.max(...size) / cells || 1;
   const shape = size.map((length) => Math.floor(length / cell) + 1);
   const table = new Uint32Array(shape[0] * shape[1] * shape[2]).fill(kEmpty);
@@ -30,7 +31,8 @@ function clustered(mesh: MeshData, cells: number): Uint32Array {
   const kept = new Uint32Array(mesh.index.length);
   let count = 0;
   for (let t = 0; t < mesh.index.length; t += 3) {
-    const [u, v, w] = [representative[mesh.index[t]], representative[mesh.index[t + 1]], representative[mesh.index[t + 2]]];
+    const [u, v, w] =
+        [representative[mesh.index[t]], representative[mesh.index[t + 1]], representative[mesh.index[t + 2]]];
     if (u === v || v === w || w === u) continue;
     kept[count] = u;
     kept[count + 1] = v;
@@ -43,7 +45,7 @@ function clustered(mesh: MeshData, cells: number): Uint32Array {
 /** Triangles over the same vertices, at most about so many. */
 export function simplified(mesh: MeshData, most: number): Uint32Array {
   // A surface fills about two triangles a cell it passes, and passes a few times cells² of them.
-  for (let cells = Math.min(160, Math.ceil(Math.sqrt(most / 2))); ; cells = Math.floor(0.8 * cells)) {
+  for (let cells = Math.min(160, Math.ceil(Math.sqrt(most / 2)));; cells = Math.floor(0.8 * cells)) {
     const index = clustered(mesh, cells);
     if (index.length <= 3 * most || cells < 8) return index;
   }

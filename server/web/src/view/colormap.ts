@@ -33,12 +33,15 @@ function distance(t: number): Rgb {
   return [mix(0), mix(1), mix(2)];
 }
 
-export const scales = { quality, distance };
+export const scales = {
+  quality,
+  distance
+};
 export type ScaleName = keyof typeof scales;
 
 /** Bytes of colours for the values, in sRGB; `upper` is the value of the scale's end. */
 export function coloursOf(values: Float32Array, upper: number, scale: ScaleName): Uint8Array {
-  const table = Array.from({ length: 256 }, (_, i) => scales[scale](i / 255).map((x) => Math.round(255 * x)));
+  const table = Array.from({length: 256}, (_, i) => scales[scale](i / 255).map((x) => Math.round(255 * x)));
   const colours = new Uint8Array(3 * values.length);
   for (let i = 0; i < values.length; i += 1) {
     const t = upper > 0 ? Math.round((255 * values[i]) / upper) : 0;
@@ -48,6 +51,7 @@ export function coloursOf(values: Float32Array, upper: number, scale: ScaleName)
 }
 
 export function gradient(scale: ScaleName): string {
-  const parts = Array.from({ length: 9 }, (_, i) => `rgb(${scales[scale](i / 8).map((x) => Math.round(255 * x)).join(' ')})`);
+  const parts =
+      Array.from({length: 9}, (_, i) => `rgb(${scales[scale](i / 8).map((x) => Math.round(255 * x)).join(' ')})`);
   return `linear-gradient(to right, ${parts.join(', ')})`;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The objects of one pane: a cloud, a mesh over it, and what is marked on them.
-import { BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Points, type LineBasicMaterial, type Object3D, type Plane } from 'three';
-import type { LoadedCloud, LoadedMesh, UnusedPoints } from '../worker/protocol';
-import { coloursOf, type ScaleName } from './colormap';
-import { lineMaterial, pointsMaterial, surfaceMaterial, type Palette } from './materials';
+import {BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Points, type LineBasicMaterial, type Object3D, type Plane} from 'three';
+import type {LoadedCloud, LoadedMesh, UnusedPoints} from '../worker/protocol';
+import {coloursOf, type ScaleName} from './colormap';
+import {lineMaterial, pointsMaterial, surfaceMaterial, type Palette} from './materials';
 
 export interface Look {
   points: boolean;
@@ -22,14 +22,14 @@ export interface Colouring {
 
 export interface Content {
   /** Corners of triangles that are pointed at, in the frame of the mesh. */
-  pointed?: Float32Array | undefined;
+  pointed?: Float32Array|undefined;
   /** Nothing of its inside can be seen. */
   solid?: boolean;
-  cloud?: LoadedCloud | undefined;
-  mesh?: LoadedMesh | undefined;
-  wireframe?: Uint32Array | undefined;
-  unused?: UnusedPoints | undefined;
-  colouring?: Colouring | undefined;
+  cloud?: LoadedCloud|undefined;
+  mesh?: LoadedMesh|undefined;
+  wireframe?: Uint32Array|undefined;
+  unused?: UnusedPoints|undefined;
+  colouring?: Colouring|undefined;
 }
 
 const attribute = (positions: Float32Array) => new BufferAttribute(positions, 3);
@@ -61,13 +61,14 @@ function separated(mesh: LoadedMesh, colours: Uint8Array): BufferGeometry {
 export class Layers {
   readonly group = new Group();
   private fine: Object3D[] = [];
-  private coarse: Object3D | undefined;
+  private coarse: Object3D|undefined;
 
   /** Builds everything anew; what was there is disposed of. */
   show(content: Content, look: Look, palette: Palette, planes: Plane[], origin: [number, number, number]): void {
     this.dispose();
-    const { cloud, mesh } = content;
-    if (cloud && look.points) this.addPoints(cloud.positions, cloud.origin, origin, palette.point, mesh ? 2.5 : 2, planes);
+    const {cloud, mesh} = content;
+    if (cloud && look.points)
+      this.addPoints(cloud.positions, cloud.origin, origin, palette.point, mesh ? 2.5 : 2, planes);
     if (mesh) this.addMesh(mesh, content, look, palette, planes, origin);
     if (cloud && content.unused && look.marks) {
       this.addPoints(content.unused.outside, cloud.origin, origin, palette.unused, 6, planes, true);
@@ -93,8 +94,9 @@ export class Layers {
     this.group.add(object);
   }
 
-  private addPoints(positions: Float32Array, from: [number, number, number], origin: [number, number, number], color: Palette['point'], size: number,
-    planes: Plane[], front = false): void {
+  private addPoints(
+      positions: Float32Array, from: [number, number, number], origin: [number, number, number],
+      color: Palette['point'], size: number, planes: Plane[], front = false): void {
     if (positions.length === 0) return;
     const material = pointsMaterial(color, size, planes);
     // Marks inside a closed surface would be seen by nobody.
@@ -102,22 +104,27 @@ export class Layers {
     this.place(new Points(geometryOf(attribute(positions)), material), from, origin, front ? 3 : 0);
   }
 
-  private addMesh(mesh: LoadedMesh, content: Content, look: Look, palette: Palette, planes: Plane[], origin: [number, number, number]): void {
+  private addMesh(mesh: LoadedMesh, content: Content, look: Look, palette: Palette, planes: Plane[], origin: [
+    number, number, number
+  ]): void {
     const positions = attribute(mesh.positions);
-    const { colouring } = content;
+    const {colouring} = content;
     if (look.surface) {
-      const surface = new Mesh(this.surfaceGeometry(mesh, positions, colouring, look.smooth),
-        surfaceMaterial(palette, look.smooth && !colouring, colouring !== undefined, content.solid === true, planes));
+      const surface = new Mesh(
+          this.surfaceGeometry(mesh, positions, colouring, look.smooth),
+          surfaceMaterial(palette, look.smooth && !colouring, colouring !== undefined, content.solid === true, planes));
       this.place(surface, mesh.origin, origin);
       this.fine = [surface];
     }
     if (look.wireframe && content.wireframe) {
-      const lines = new LineSegments(geometryOf(positions, content.wireframe), lineMaterial(palette.edge, look.surface ? 0.35 : 0.8, planes));
+      const lines = new LineSegments(
+          geometryOf(positions, content.wireframe), lineMaterial(palette.edge, look.surface ? 0.35 : 0.8, planes));
       this.place(lines, mesh.origin, origin, 1);
       this.fine.push(lines);
     }
     if (mesh.coarse && look.surface) {
-      this.coarse = new Mesh(geometryOf(positions, mesh.coarse), surfaceMaterial(palette, false, false, content.solid === true, planes));
+      this.coarse = new Mesh(
+          geometryOf(positions, mesh.coarse), surfaceMaterial(palette, false, false, content.solid === true, planes));
       this.coarse.visible = false;
       this.place(this.coarse, mesh.origin, origin);
     }
@@ -127,12 +134,16 @@ export class Layers {
       this.place(outline, mesh.origin, origin, 4);
     }
     if (!look.marks) return;
-    for (const [edges, color] of [[mesh.edges.boundary, palette.boundary], [mesh.edges.nonManifold, palette.nonManifold]] as const) {
-      if (edges.length > 0) this.place(new LineSegments(geometryOf(positions, edges), lineMaterial(color, 1, planes)), mesh.origin, origin, 2);
+    for (const [edges, color] of [
+             [mesh.edges.boundary, palette.boundary], [mesh.edges.nonManifold, palette.nonManifold]] as const) {
+      if (edges.length > 0)
+        this.place(
+            new LineSegments(geometryOf(positions, edges), lineMaterial(color, 1, planes)), mesh.origin, origin, 2);
     }
   }
 
-  private surfaceGeometry(mesh: LoadedMesh, positions: BufferAttribute, colouring: Colouring | undefined, smooth: boolean): BufferGeometry {
+  private surfaceGeometry(
+      mesh: LoadedMesh, positions: BufferAttribute, colouring: Colouring|undefined, smooth: boolean): BufferGeometry {
     if (colouring) return separated(mesh, coloursOf(colouring.values, colouring.upper, colouring.scale));
     const geometry = geometryOf(positions, mesh.index);
     if (smooth) geometry.computeVertexNormals();

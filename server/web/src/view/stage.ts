@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The canvas: one or two panes under one camera, drawn only when something has changed.
-import { AmbientLight, Box3, Color, DirectionalLight, Group, PerspectiveCamera, Plane, Scene, Vector3, WebGLRenderer } from 'three';
-import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { Layers, type Content, type Look } from './layers';
-import { palettes, type Palette } from './materials';
+import {AmbientLight, Box3, Color, DirectionalLight, Group, PerspectiveCamera, Plane, Scene, Vector3, WebGLRenderer} from 'three';
+import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
+import {Layers, type Content, type Look} from './layers';
+import {palettes, type Palette} from './materials';
 
 export interface Clip {
-  axis: 'none' | 'x' | 'y' | 'z';
+  axis: 'none'|'x'|'y'|'z';
   /** 0 to 1 through the box. */
   place: number;
   flip: boolean;
@@ -44,11 +44,11 @@ export class Stage {
   private resting = 0;
   private moving = false;
   /** Told after each frame; for measuring. */
-  onFrame: ((milliseconds: number) => void) | undefined;
+  onFrame: ((milliseconds: number) => void)|undefined;
 
   constructor(readonly canvas: HTMLCanvasElement) {
     const software = drawsInSoftware();
-    this.renderer = new WebGLRenderer({ canvas, antialias: !software, powerPreference: 'high-performance' });
+    this.renderer = new WebGLRenderer({canvas, antialias: !software, powerPreference: 'high-performance'});
     this.renderer.setPixelRatio(software ? 1 : Math.min(devicePixelRatio, 2));
     this.renderer.autoClear = false;
     this.renderer.localClippingEnabled = true;
@@ -58,7 +58,7 @@ export class Stage {
     canvas.addEventListener('webglcontextrestored', () => this.draw());
   }
 
-  setPanes(contents: Content[], look: Look, clip: Clip, theme: 'light' | 'dark'): void {
+  setPanes(contents: Content[], look: Look, clip: Clip, theme: 'light'|'dark'): void {
     this.palette = palettes[theme];
     while (this.panes.length > contents.length) this.panes.pop()?.layers.dispose();
     while (this.panes.length < contents.length) this.panes.push(this.newPane());
@@ -78,11 +78,13 @@ export class Stage {
   private normalise(contents: Content[]): void {
     this.box.makeEmpty();
     const p = new Vector3();
-    for (const { cloud, mesh } of contents) {
+    for (const {cloud, mesh} of contents) {
       for (const part of [mesh, cloud]) {
         for (let i = 0; part && i < part.positions.length; i += 3) {
-          p.set(part.positions[i] + part.origin[0] - this.origin[0], part.positions[i + 1] + part.origin[1] - this.origin[1],
-            part.positions[i + 2] + part.origin[2] - this.origin[2]);
+          p.set(
+              part.positions[i] + part.origin[0] - this.origin[0],
+              part.positions[i + 1] + part.origin[1] - this.origin[1],
+              part.positions[i + 2] + part.origin[2] - this.origin[2]);
           this.box.expandByPoint(p);
         }
         if (part) break;
@@ -91,24 +93,24 @@ export class Stage {
     if (this.box.isEmpty()) return;
     const scale = 2 / (this.box.getSize(new Vector3()).length() || 1);
     const middle = this.box.getCenter(new Vector3());
-    for (const { root } of this.panes) {
+    for (const {root} of this.panes) {
       root.scale.setScalar(scale);
       root.position.copy(middle).multiplyScalar(-scale);
     }
   }
 
-  setClip({ axis, place, flip }: Clip): void {
+  setClip({axis, place, flip}: Clip): void {
     if (axis === 'none' || this.box.isEmpty()) return;
     const side = flip ? 1 : -1;
     const normal = new Vector3(axis === 'x' ? side : 0, axis === 'y' ? side : 0, axis === 'z' ? side : 0);
     const at = new Vector3().lerpVectors(this.box.min, this.box.max, place);
-    const { root } = this.panes[0];
+    const {root} = this.panes[0];
     this.plane.setFromNormalAndCoplanarPoint(normal, at.multiplyScalar(root.scale.x).add(root.position));
     this.draw();
   }
 
   /** Up along y or z, and the whole in view. */
-  fit(up: 'y' | 'z' = this.camera.up.z === 1 ? 'z' : 'y'): void {
+  fit(up: 'y'|'z' = this.camera.up.z === 1 ? 'z' : 'y'): void {
     this.camera.up.set(0, up === 'y' ? 1 : 0, up === 'z' ? 1 : 0);
     const aspect = Math.min(1, this.aspect());
     const distance = 1.06 / Math.sin((this.camera.fov * Math.PI) / 360) / (aspect ** 0.9);
@@ -129,7 +131,7 @@ export class Stage {
 
   /** Looks at a triangle from outside, so close that it fills a good part of the view. */
   flyTo(corners: [number, number, number][]): void {
-    const { root } = this.panes[0];
+    const {root} = this.panes[0];
     const [a, b, c] = corners.map((p) => new Vector3(...p).multiplyScalar(root.scale.x).add(root.position));
     const middle = new Vector3().add(a).add(b).add(c).divideScalar(3);
     const normal = b.clone().sub(a).cross(c.clone().sub(a));
@@ -159,7 +161,7 @@ export class Stage {
   }
 
   private newPane(): Pane {
-    const pane: Pane = { scene: new Scene(), root: new Group(), layers: new Layers() };
+    const pane: Pane = {scene: new Scene(), root: new Group(), layers: new Layers()};
     pane.root.add(pane.layers.group);
     // The lights go with the camera; layers of the scene graph are cheap enough to have them twice.
     const key = new DirectionalLight('#ffffff', 2.1);
@@ -169,12 +171,12 @@ export class Stage {
   }
 
   private moved(): void {
-    if (!this.moving) this.panes.forEach(({ layers }) => layers.moving(true));
+    if (!this.moving) this.panes.forEach(({layers}) => layers.moving(true));
     this.moving = true;
     clearTimeout(this.resting);
     this.resting = window.setTimeout(() => {
       this.moving = false;
-      this.panes.forEach(({ layers }) => layers.moving(false));
+      this.panes.forEach(({layers}) => layers.moving(false));
       this.draw();
     }, kRest);
     this.draw();
@@ -203,7 +205,7 @@ export class Stage {
     this.camera.aspect = width / height;
     this.updateDepth();
     this.renderer.setScissorTest(true);
-    this.panes.forEach(({ scene }, i) => {
+    this.panes.forEach(({scene}, i) => {
       this.light(scene.userData.key as DirectionalLight);
       this.renderer.setViewport(i * width, 0, width, height);
       this.renderer.setScissor(i * width, 0, width, height);
@@ -215,7 +217,8 @@ export class Stage {
 
   private updateDepth(): void {
     const distance = this.camera.position.length();
-    this.camera.near = Math.max(distance - 1.5, Math.min(0.02, 0.05 * this.camera.position.distanceTo(this.controls.target)));
+    this.camera.near =
+        Math.max(distance - 1.5, Math.min(0.02, 0.05 * this.camera.position.distanceTo(this.controls.target)));
     this.camera.far = distance + 1.5;
     this.camera.updateProjectionMatrix();
   }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers as people read them.
-const whole = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
+const whole = new Intl.NumberFormat('en', {maximumFractionDigits: 0});
 
 export const count = (value: number): string => whole.format(value);
 
-export const countOf = (value: number, one: string, many = `${one}s`): string => `${count(value)} ${value === 1 ? one : many}`;
+export const countOf = (value: number, one: string, many = `${one}s`): string =>
+    `${count(value)} ${value === 1 ? one : many}`;
 
 /** Four significant digits; exponents only where they are shorter. */
 export function real(value: number): string {

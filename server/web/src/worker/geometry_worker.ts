@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Everything that takes long: reading files, measuring, comparing.
-import type { CloudData } from '../clouds/cloud_data';
-import { openGlb, readPrimitive } from '../clouds/gltf';
-import { readCloud } from '../clouds/read_cloud';
-import { distancesOfTriangles, encloses, shiftBetween, toSurface, treeOf } from '../geometry/compare';
-import { edgesOf } from '../geometry/edges';
-import type { MeshData } from '../geometry/mesh_data';
-import { diagonalOf, distancesTo, NearestPoints } from '../geometry/nearest';
-import { shapesOf } from '../geometry/quality';
-import { simplified } from '../geometry/simplify';
-import type { Answer, GeometryCalls, Question } from './protocol';
+import type {CloudData} from '../clouds/cloud_data';
+import {openGlb, readPrimitive} from '../clouds/gltf';
+import {readCloud} from '../clouds/read_cloud';
+import {distancesOfTriangles, encloses, shiftBetween, toSurface, treeOf} from '../geometry/compare';
+import {edgesOf} from '../geometry/edges';
+import type {MeshData} from '../geometry/mesh_data';
+import {diagonalOf, distancesTo, NearestPoints} from '../geometry/nearest';
+import {shapesOf} from '../geometry/quality';
+import {simplified} from '../geometry/simplify';
+import type {Answer, GeometryCalls, Question} from './protocol';
 
 /** From here on a coarse stand-in is drawn while the camera moves. */
 const kLarge = 40_000;
@@ -28,33 +28,34 @@ function held<T>(all: Map<number, T>, handle: number): T {
 }
 
 async function meshOf(glb: ArrayBuffer): Promise<MeshData> {
-  const { json, buffer } = openGlb(new Uint8Array(glb));
+  const {json, buffer} = openGlb(new Uint8Array(glb));
   const primitive = json.meshes?.[0]?.primitives[0];
   if (!primitive) throw new Error('the GLB holds no mesh');
-  const { positions, index } = await readPrimitive(json, buffer, primitive);
+  const {positions, index} = await readPrimitive(json, buffer, primitive);
   if (!index) throw new Error('the mesh has no triangles');
   const origin = json.nodes?.find((node) => node.mesh === 0)?.extras?.origin ?? [0, 0, 0];
-  return { positions, index, origin };
+  return {positions, index, origin};
 }
 
 const calls: GeometryCalls = {
   async loadCloud(bytes, table) {
     const cloud = await readCloud(new Uint8Array(bytes), table);
     clouds.set(++handles, cloud);
-    return { ...cloud, handle: handles };
+    return {...cloud, handle: handles};
   },
   async loadMesh(glb) {
     const mesh = await meshOf(glb);
     meshes.set(++handles, mesh);
-    const { boundary, nonManifold } = edgesOf(mesh);
+    const {boundary, nonManifold} = edgesOf(mesh);
     const coarse = mesh.index.length > 3 * kLarge ? simplified(mesh, kCoarse) : undefined;
-    return { ...mesh, handle: handles, shapes: shapesOf(mesh), edges: { boundary, nonManifold }, coarse };
+    return {...mesh, handle: handles, shapes: shapesOf(mesh), edges: {boundary, nonManifold}, coarse};
   },
   wireframe: (mesh) => Promise.resolve(edgesOf(held(meshes, mesh)).all),
   distances(mesh, cloud) {
     const [m, c] = [held(meshes, mesh), held(clouds, cloud)];
     const points = new NearestPoints(c.positions);
-    return Promise.resolve(distancesOfTriangles(m, shiftBetween(m.origin, c.origin), (x, y, z) => points.distance(x, y, z)));
+    return Promise.resolve(
+        distancesOfTriangles(m, shiftBetween(m.origin, c.origin), (x, y, z) => points.distance(x, y, z)));
   },
   unused(mesh, cloud, closed) {
     const [m, c] = [held(meshes, mesh), held(clouds, cloud)];
@@ -62,14 +63,14 @@ const calls: GeometryCalls = {
     const distances = distancesTo(new NearestPoints(m.positions), c.positions, shift);
     const tolerance = m.origin.concat(c.origin).every((x) => x === 0) ? 0 : kRounding * diagonalOf(c.positions);
     const tree = closed ? treeOf(m) : undefined;
-    const found = { outside: [] as number[], interior: [] as number[] };
+    const found = {outside: [] as number[], interior: [] as number[]};
     distances.forEach((distance, i) => {
       if (distance <= tolerance) return;
       const [x, y, z] = c.positions.subarray(3 * i, 3 * i + 3);
       const inside = tree ? encloses(tree, x + shift[0], y + shift[1], z + shift[2]) : false;
       (inside ? found.interior : found.outside).push(x, y, z);
     });
-    return Promise.resolve({ outside: Float32Array.from(found.outside), interior: Float32Array.from(found.interior) });
+    return Promise.resolve({outside: Float32Array.from(found.outside), interior: Float32Array.from(found.interior)});
   },
   difference(first, second) {
     const [a, b] = [held(meshes, first), held(meshes, second)];
@@ -85,8 +86,8 @@ const calls: GeometryCalls = {
   },
 };
 
-self.onmessage = async ({ data }: MessageEvent<Question>) => {
-  const answer: Answer = { id: data.id };
+self.onmessage = async ({data}: MessageEvent<Question>) => {
+  const answer: Answer = {id: data.id};
   try {
     answer.value = await (calls[data.call] as (...words: unknown[]) => Promise<unknown>)(...data.words);
   } catch (failure) {

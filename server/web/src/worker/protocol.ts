@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the page asks of its worker. Meshes and clouds stay in the worker under a number; what is drawn is copied out.
-import type { CloudData } from '../clouds/cloud_data';
-import type { TableOptions } from '../clouds/table';
-import type { Edges } from '../geometry/edges';
-import type { MeshData } from '../geometry/mesh_data';
-import type { Shapes } from '../geometry/quality';
+import type {CloudData} from '../clouds/cloud_data';
+import type {TableOptions} from '../clouds/table';
+import type {Edges} from '../geometry/edges';
+import type {MeshData} from '../geometry/mesh_data';
+import type {Shapes} from '../geometry/quality';
 
 export interface LoadedMesh extends MeshData {
   handle: number;
   shapes: Shapes;
   edges: Omit<Edges, 'all'>;
   /** Drawn while the camera moves; none if the mesh is small. */
-  coarse: Uint32Array | undefined;
+  coarse: Uint32Array|undefined;
 }
 export interface LoadedCloud extends CloudData {
   handle: number;
