@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Calls of the API. Everything that goes wrong becomes an ApiError with the words of the server, or of the network.
+import {t} from '../words/words';
 import type {Cloud, Job, Method, Problem, Report, Sample, Submission} from './types';
 
 export class ApiError extends Error {
@@ -10,20 +11,22 @@ export class ApiError extends Error {
       readonly hint: string,
       readonly status = 0,
       readonly requestId = '',
+      /** The parameter that is wrong, if it is one. */
+      readonly field = '',
   ) {
     super(`${title}: ${detail}`);
   }
 
   static of(problem: Problem): ApiError {
-    const {code, title, detail, hint, status, request_id} = problem;
+    const {code, title, detail, hint, status, request_id, field} = problem;
     return new ApiError(
-        code ?? 'unknown', title ?? 'Something went wrong', detail ?? '', hint ?? '', status ?? 0, request_id ?? '');
+        code ?? 'unknown', title ?? t.errors.somethingWrong, detail ?? '', hint ?? '', status ?? 0, request_id ?? '',
+        field ?? '');
   }
 }
 
-export const unreachable = (what: string): ApiError => new ApiError(
-    'unreachable', 'The server does not answer', what,
-    'Check that surfaced still runs; what was acknowledged is not lost.');
+export const unreachable = (what: string): ApiError =>
+    new ApiError('unreachable', t.errors.unreachable, what, t.errors.unreachableHint);
 
 const kKey = 'surfaced.key';
 
@@ -59,7 +62,7 @@ export class Api {
           await fetch(this.url(path), {...options, headers: this.headers(options.headers as Record<string, string>)});
     } catch (failure) {
       if (options.signal?.aborted) throw failure;
-      throw unreachable(`${options.method ?? 'GET'} ${path} got no answer`);
+      throw unreachable(t.errors.noAnswer(`${options.method ?? 'GET'} ${path}`));
     }
     if (response.ok || response.status === 304) return response;
     throw await problemOf(response);
@@ -87,6 +90,8 @@ export class Api {
     return (await this.json<{jobs: Job[]}>(`v1/jobs?limit=${limit}`)).jobs;
   }
 
+  remove = (id: string): Promise<Job> => this.json<Job>(`v1/jobs/${id}`, {method: 'DELETE'});
+
   submit(submission: Submission, idempotencyKey: string): Promise<Job> {
     return this.json<Job>('v1/jobs', {
       method: 'POST',
@@ -108,9 +113,7 @@ export class Api {
     const reader = response.body.getReader();
     for (let at = 0;;) {
       const {done, value} = await reader.read();
-      if (done)
-        return at === total ? whole.buffer :
-                              Promise.reject(unreachable(`${path} broke off after ${at} of ${total} bytes`));
+      if (done) return at === total ? whole.buffer : Promise.reject(unreachable(t.errors.brokeOff(path, at, total)));
       whole.set(value, at);
       at += value.length;
       onProgress(at / total);
@@ -123,7 +126,6 @@ async function problemOf(response: Response): Promise<ApiError> {
     return ApiError.of((await response.json()) as Problem);
   } catch {
     return new ApiError(
-        'unknown', `The server answered ${response.status}`, response.statusText, 'Try again in a moment.',
-        response.status);
+        'unknown', t.errors.answered(response.status), response.statusText, t.errors.later, response.status);
   }
 }

@@ -2,6 +2,7 @@
 // Sends a cloud with tus: what has arrived counts, also when the connection is lost or the page is closed meanwhile.
 import {DetailedError, Upload} from 'tus-js-client';
 import {ApiError, unreachable, type Api} from './client';
+import {t} from '../words/words';
 import type {Problem} from './types';
 
 export interface UploadWatcher {
@@ -35,7 +36,7 @@ export function uploadCloud(api: Api, file: File, watcher: UploadWatcher, signal
         return again;
       },
       onError: (failure) => reject(errorOf(failure)),
-      onSuccess: () => (cloudId ? resolve(cloudId) : reject(unreachable('the upload ended without naming its cloud'))),
+      onSuccess: () => (cloudId ? resolve(cloudId) : reject(unreachable(t.errors.uploadUnnamed))),
     });
     const stop = (): void => {
       reject(signal.reason as Error);
@@ -58,8 +59,8 @@ function errorOf(failure: Error): ApiError {
       return ApiError.of(JSON.parse(response.getBody()) as Problem);
     } catch {
       return new ApiError(
-          'unknown', `The server answered ${response.getStatus()}`, 'the upload was refused', '', response.getStatus());
+          'unknown', t.errors.answered(response.getStatus()), t.errors.uploadRefused, '', response.getStatus());
     }
   }
-  return unreachable('the connection was lost during the upload; choose Reconstruct again to go on where it broke off');
+  return unreachable(t.errors.uploadLost);
 }

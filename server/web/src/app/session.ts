@@ -1,41 +1,47 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the page does: choose a cloud, run methods on it, open and compare jobs. Panels call it and are told of changes.
 import {ApiError, unreachable, type Api} from '../api/client';
-import {followJob, pause} from '../api/follow';
-import {isEnded, type Job, type Sample, type Submission} from '../api/types';
-import {uploadCloud} from '../api/upload';
+import {followJob} from '../api/follow';
+import {isEnded, type Job, type Sample} from '../api/types';
 import type {TableOptions} from '../clouds/table';
-import {bytes} from '../words/numbers';
+import {count, seconds} from '../words/numbers';
+import {t} from '../words/words';
 import type {Geometry} from '../worker/geometry';
-import {keepCloud, keptCloud} from './kept_clouds';
-import {initialState, type ChosenCloud, type ColourBy, type Result, type Side, type State, type Work} from './state';
+import {onLink, readLink, writeLink, type Link} from './address';
+import {keptCloud} from './kept_clouds';
+import {complete} from './measuring';
+import {dropPicture} from './pictures';
+import {sendCloud, sendJob, submissionOf} from './sending';
+import {initialState, type ChosenCloud, type ColourBy, type Result, type Run, type Side, type State, type Work} from './state';
 
-export interface Run {
-  method: string;
-  parameters: Record<string, unknown>;
-}
+export type What = 'all'|'view'|'work';
 
-function randomKey(): string {
-  return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join('');
-}
-
-const kSubmissions = 4;
+const kTableOptions = ['columns', 'separator', 'decimal', 'skip'];
+/** So long a work has gone on, and so far, before anybody may say when it ends. */
+const kForetold = {
+  seconds: 3,
+  fraction: 0.1
+};
 
 export class Session {
   readonly state: State = initialState();
-  private readonly listeners: ((state: State, what: 'all'|'view'|'work') => void)[] = [];
+  private readonly listeners: ((state: State, what: What) => void)[] = [];
   /** Of what was begun last. Each has its own signal, and whatever comes after that is aborted changes nothing. */
   private abort = new AbortController();
+  /** Whether z is up because of the cloud, and not because somebody said so. */
+  private turned = false;
   /** What the address named when the page was opened, until it is opened or something else is begun. */
-  private link: URLSearchParams|undefined = new URLSearchParams(location.search);
+  private link: Link|undefined = readLink();
 
-  constructor(readonly api: Api, private readonly geometry: Geometry) {}
+  constructor(readonly api: Api, readonly geometry: Geometry) {
+    onLink((link) => void this.follow(link));
+  }
 
-  onChange(listener: (state: State, what: 'all'|'view'|'work') => void): void {
+  onChange(listener: (state: State, what: What) => void): void {
     this.listeners.push(listener);
   }
 
-  change(part: Partial<State>, what: 'all'|'view'|'work' = 'all'): void {
+  change(part: Partial<State>, what: What = 'all'): void {
     Object.assign(this.state, part);
     for (const listener of this.listeners) listener(this.state, what);
   }
@@ -45,21 +51,34 @@ export class Session {
       const [methods, samples] = await Promise.all([this.api.methods(), this.api.samples()]);
       this.change({methods, samples});
       await this.refreshHistory();
-      await this.openLink();
+      if (this.link?.job) await this.follow(this.link);
     });
   }
 
-  private async openLink(): Promise<void> {
-    const [job, other] = [this.link?.get('job'), this.link?.get('with')];
-    if (!job) return;
-    await this.begin(async (signal) => {
-      await this.bring(job, 0, signal);
+  /** Shows what an address names: jobs, or the page as it is before any. */
+  private follow({job, other}: Link): Promise<void> {
+    return this.begin(async (signal) => {
+      if (!job) {
+        this.clear();
+        return;
+      }
+      const [first, second] = this.state.results;
+      if (first?.job.id === job && !other)
+        this.drop(second);
+      else if (first?.job.id !== job)
+        await this.bring(job, 0, signal);
       if (other && this.state.results[0]) await this.bring(other, 1, signal);
     });
   }
 
+  private clear(): void {
+    for (const result of this.state.results) this.letGo(result?.mesh.handle);
+    this.change(
+        {results: [undefined, undefined], difference: undefined, pointed: undefined, error: undefined, notice: ''});
+  }
+
   /** Ends what was begun before, and runs something under a signal of its own. */
-  private begin(task: (signal: AbortSignal) => Promise<void>): Promise<void> {
+  begin(task: (signal: AbortSignal) => Promise<void>): Promise<void> {
     this.stop();
     const {signal} = this.abort;
     return this.guard(() => task(signal), signal);
@@ -71,17 +90,11 @@ export class Session {
       await task();
     } catch (failure) {
       if (signal?.aborted) return;
-      const error = failure instanceof ApiError ?
-          failure :
-          new ApiError(
-              'page', 'This page could not do that', failure instanceof Error ? failure.message : String(failure),
-              'Reload the page; your jobs are kept.');
-      this.change({
-        error,
-        notice: '',
-        ...(signal && {work: undefined}),
-        needsKey: this.state.needsKey || error.code === 'unauthorized'
-      });
+      const detail = failure instanceof Error ? failure.message : String(failure);
+      const error =
+          failure instanceof ApiError ? failure : new ApiError('page', t.errors.page, detail, t.errors.reload);
+      const needsKey = this.state.needsKey || error.code === 'unauthorized';
+      this.change({error, notice: '', ...(signal && {work: undefined}), needsKey});
     }
   }
 
@@ -90,52 +103,61 @@ export class Session {
     this.change({needsKey: true, error: undefined});
     await this.guard(() => this.refreshHistory());
     if (this.state.error) return;
-    this.change({notice: 'The key is accepted.'});
-    await this.openLink();
+    this.change({notice: t.work.keyAccepted});
+    if (this.link?.job) await this.follow(this.link);
   }
 
   async refreshHistory(): Promise<void> {
-    this.change({history: await this.api.jobs(30)});
+    this.change({history: await this.api.jobs(50)});
   }
 
   chooseSample(sample: Sample): Promise<void> {
     return this.begin(async (signal) => {
-      this.change({error: undefined, notice: `Fetching ${sample.name} …`});
+      this.change({error: undefined, notice: t.cloud.fetching(sample.name)});
       const body = await this.api.bytes(`samples/${encodeURIComponent(sample.name)}`, () => undefined, signal);
       signal.throwIfAborted();
       await this.chooseFile(new File([body], sample.name));
     });
   }
 
+  /** One is shown; of several it is asked what becomes of them. */
+  chooseFiles(files: File[]): Promise<void> {
+    if (files.length < 2) return files[0] ? this.chooseFile(files[0]) : Promise.resolve();
+    this.change({dropped: files, error: undefined});
+    return Promise.resolve();
+  }
+
   chooseFile(file: File): Promise<void> {
     return this.begin(async () => {
-      history.replaceState(null, '', location.pathname);
+      writeLink({});
       await this.setCloud(file);
     });
   }
 
   private replaceCloud(cloud: ChosenCloud|undefined, notice: string): void {
-    this.forget();
+    const {results} = this.state;
+    for (const handle of [this.state.cloud?.data?.handle, ...results.map((result) => result?.mesh.handle)])
+      this.letGo(handle);
     this.change({
       cloud,
+      notice,
+      dropped: [],
       results: [undefined, undefined],
       difference: undefined,
       pointed: undefined,
       error: undefined,
       colour: 'none',
-      notice
     });
   }
 
   /** What is begun meanwhile does not end the reading, another cloud does. */
-  private async setCloud(file: File, id?: string): Promise<void> {
-    const cloud: ChosenCloud = {name: file.name, size: file.size, file, id};
-    this.replaceCloud(cloud, `Reading ${file.name} …`);
-    await this.readCloud(cloud, file);
-    if (this.state.cloud === cloud)
-      this.change({notice: ''});
-    else if (cloud.data)
-      void this.geometry.forget(cloud.data.handle);
+  async setCloud(file: File, id?: string, whole?: ChosenCloud): Promise<void> {
+    const cloud: ChosenCloud = {name: file.name, size: file.size, file, id, whole};
+    this.replaceCloud(cloud, t.cloud.reading(file.name));
+    if (file.size > 0) await this.readCloud(cloud, file);
+    if (this.state.cloud !== cloud) return this.letGo(cloud.data?.handle);
+    if (!id && !whole) this.turn(cloud.data?.zUp === true);
+    this.change({notice: '', ...(cloud.data?.colours && {colour: 'own'})});
   }
 
   /** Reads the points for the page, as `table` has a text read. */
@@ -151,14 +173,37 @@ export class Session {
     }
     // Told otherwise meanwhile: whoever did so reads the file again.
     const stale = this.state.cloud === cloud && this.state.table !== table;
-    if (stale && data) void this.geometry.forget(data.handle);
-    if (stale) return;
+    if (stale) return this.letGo(data?.handle);
     Object.assign(cloud, {data, noPreview});
-    if (before) void this.geometry.forget(before.handle);
+    this.letGo(before?.handle);
+  }
+
+  /** What the form says. A text is read again, and the picture turned, as it says. */
+  setRun(run: Run): void {
+    const {up = 'y'} = run.parameters as {up?: State['up']};
+    this.change({run, up}, 'view');
+    const given = Object.entries(run.parameters).filter(([name]) => kTableOptions.includes(name));
+    this.setTable(Object.fromEntries(given) as TableOptions);
+  }
+
+  /** A survey starts with z up; what was turned for one is turned back for another cloud. */
+  private turn(zUp: boolean): void {
+    if (zUp && this.state.up === 'y')
+      this.setUp('z');
+    else if (!zUp && this.turned)
+      this.setUp('y');
+    this.turned = zUp;
+  }
+
+  setUp(up: State['up']): void {
+    const {run} = this.state;
+    if (!run) return this.change({up}, 'view');
+    const {up: _, ...others} = run.parameters;
+    this.setRun({...run, parameters: up === 'y' ? others : {...others, up}});
   }
 
   /** Says how a text is to be read; the chosen one is read again. */
-  setTable(table: TableOptions): void {
+  private setTable(table: TableOptions): void {
     if (JSON.stringify(table) === JSON.stringify(this.state.table)) return;
     this.change({table});
     const {cloud} = this.state;
@@ -175,73 +220,35 @@ export class Session {
   run(run: Run, side: Side): Promise<void> {
     return this.begin(async (signal) => {
       const {cloud} = this.state;
-      if (!cloud)
-        throw new ApiError(
-            'page', 'There is no cloud yet', 'nothing to reconstruct', 'Drop a file or choose a sample.');
+      if (!cloud) throw new ApiError('page', t.errors.noCloud, t.errors.noCloudDetail, t.errors.noCloudHint);
       this.change({error: undefined, notice: ''});
-      const cloud_id = cloud.id ?? (await this.upload(cloud, side, signal));
-      const job = await this.submit({cloud_id, ...run, outputs: ['mesh.glb', 'report.json', 'log.txt']}, side, signal);
-      await this.watch(job, side, signal);
+      cloud.id ??= await this.upload(cloud, side, signal);
+      this.work({side, what: 'submit', detail: t.work.handing}, signal);
+      try {
+        const job = await sendJob(this.api, submissionOf(cloud.id, cloud.name, run.method, run.parameters), signal);
+        await this.watch(job, side, signal);
+      } catch (failure) {
+        if (failure instanceof ApiError && failure.code === 'cloud_not_found') cloud.id = undefined;
+        // A job that was queued after its page had turned to something else is cancelled.
+        if (signal.aborted) void this.refreshHistory().catch(() => undefined);
+        throw failure;
+      }
     });
   }
 
-  private async upload(cloud: ChosenCloud, side: Side, signal: AbortSignal): Promise<string> {
-    const {file} = cloud;
-    if (!file)
-      throw new ApiError('page', 'The cloud is not on this device', 'only its mesh is', 'Drop the file again.');
-    const total = bytes(file.size);
-    this.work({side, what: 'upload', fraction: 0, detail: `0 of ${total}`}, signal);
-    cloud.id = await uploadCloud(
-        this.api, file, {
-          progress: (sent) => this.work(
-              {side, what: 'upload', fraction: sent / file.size, detail: `${bytes(sent)} of ${total}`}, signal),
-          interrupted: () => this.work(
-              {
-                side,
-                what: 'upload',
-                fraction: this.state.work?.fraction,
-                detail: 'the connection was lost; trying again where it broke off'
-              },
-              signal),
-        },
-        signal);
-    void keepCloud(cloud.id, file);
+  private async upload({file}: ChosenCloud, side: Side, signal: AbortSignal): Promise<string> {
+    const {errors} = t;
+    if (!file) throw new ApiError('page', errors.notHere, errors.notHereDetail, errors.notHereHint);
+    if (file.size === 0)
+      throw new ApiError('empty_input', errors.emptyFile, errors.emptyFileDetail, t.errors.noCloudHint);
+    const told = (fraction: number|undefined, detail: string): void =>
+        this.work({side, what: 'upload', fraction, detail}, signal);
+    const id = await sendCloud(this.api, file, told, signal);
     signal.throwIfAborted();
-    return cloud.id;
+    return id;
   }
 
-  /** Sent again under the same key when the answer is lost, it makes no second job. */
-  private async submit(submission: Submission, side: Side, signal: AbortSignal): Promise<Job> {
-    this.work({side, what: 'submit', detail: 'handing over'}, signal);
-    const key = randomKey();
-    for (let attempt = 1;; attempt += 1) {
-      try {
-        // Without the signal: who does not hear the answer does not know which job to cancel.
-        const job = await this.api.submit(submission, key);
-        if (signal.aborted) await this.dismiss(job);
-        signal.throwIfAborted();
-        return job;
-      } catch (failure) {
-        signal.throwIfAborted();
-        const again = failure instanceof ApiError && (failure.status === 0 || failure.code === 'queue_full') &&
-            attempt < kSubmissions;
-        if (failure instanceof ApiError && failure.code === 'cloud_not_found' &&
-            this.state.cloud?.id === submission.cloud_id)
-          this.state.cloud.id = undefined;
-        if (!again) throw failure;
-        await pause(1000 * attempt, signal);
-        signal.throwIfAborted();
-      }
-    }
-  }
-
-  /** A job that was queued after its page had turned to something else. */
-  private async dismiss(job: Job): Promise<void> {
-    await this.api.cancel(job.id).catch(() => undefined);
-    await this.refreshHistory().catch(() => undefined);
-  }
-
-  private work(work: Work, signal: AbortSignal): void {
+  work(work: Work, signal: AbortSignal): void {
     if (!signal.aborted) this.change({work}, 'work');
   }
 
@@ -249,35 +256,37 @@ export class Session {
   private async watch(begun: Job, side: Side, signal: AbortSignal): Promise<void> {
     let job = begun;
     let phases: string[] = [];
+    const began = performance.now();
     const show = (fraction: number|undefined, detail: string): void =>
         this.work({side, what: job.status === 'accepted' ? 'queue' : 'run', fraction, detail, job, phases}, signal);
-    const place = () => (job.queue_position ? `${job.queue_position} before it in the queue` : 'next in the queue');
-    if (side === 0) this.setLink(job.id);
+    const place = () => (job.queue_position ? t.work.before(job.queue_position) : t.work.next);
+    const left = (fraction: number): string => {
+      const spent = (performance.now() - began) / 1000;
+      if (spent < kForetold.seconds || fraction < kForetold.fraction) return '';
+      return ` · ${t.work.left(seconds(Math.max(1, Math.round(spent / fraction - spent))))}`;
+    };
+    if (side === 0) writeLink({job: job.id});
     show(undefined, place());
-    const ended = isEnded(job) ?
-        job :
-        await followJob(
-            this.api, job.id, {
-              state: (now) => {
-                job = now;
-                phases = [];
-                if (job.status === 'accepted') show(undefined, place());
-              },
-              progress: (progress, phase) => {
-                job = {...job, status: 'running'};
-                const words = phase.replaceAll(/[-_]/g, ' ');
-                if (words !== '' && phases.at(-1) !== words) phases = [...phases, words];
-                show(progress, words);
-              },
-              log: () => undefined,
-              lost: (again) => {
-                if (again > 0)
-                  show(
-                      this.state.work?.fraction,
-                      'the connection to the server was lost; the job is safe there. Trying again …');
-              },
-            },
-            signal);
+    const ended = isEnded(job) ? job :
+                                 await followJob(
+                                     this.api, job.id, {
+                                       state: (now) => {
+                                         job = now;
+                                         phases = [];
+                                         if (job.status === 'accepted') show(undefined, place());
+                                       },
+                                       progress: (progress, phase) => {
+                                         job = {...job, status: 'running'};
+                                         const words = phase.replaceAll(/[-_]/g, ' ');
+                                         if (words !== '' && phases.at(-1) !== words) phases = [...phases, words];
+                                         show(progress, words + left(progress));
+                                       },
+                                       log: () => undefined,
+                                       lost: (again) => {
+                                         if (again > 0) show(this.state.work?.fraction, t.work.serverLost);
+                                       },
+                                     },
+                                     signal);
     signal.throwIfAborted();
     if (!ended) return;
     void this.refreshHistory().catch(() => undefined);
@@ -286,15 +295,15 @@ export class Session {
 
   private async finish(job: Job, side: Side, signal: AbortSignal): Promise<void> {
     if (job.status === 'failed') {
-      const error = job.error ? ApiError.of(job.error) : unreachable('the job failed without a reason');
-      const parked = job.parked ? ' Its attempts are used up; Try again in the list of jobs starts it anew.' : '';
-      throw new ApiError(error.code, error.title, error.detail, error.hint + parked, error.status, error.requestId);
+      const error = job.error ? ApiError.of(job.error) : unreachable(t.errors.noReason);
+      const parked = job.parked ? t.errors.parked : '';
+      throw new ApiError(
+          error.code, error.title, error.detail, error.hint + parked, error.status, error.requestId, error.field);
     }
-    if (job.status === 'dismissed') {
-      this.change({work: undefined, notice: 'The job was cancelled.'});
-      return;
-    }
-    await this.show(job, side, signal);
+    if (job.status === 'dismissed')
+      this.change({work: undefined, notice: t.work.jobCancelled});
+    else
+      await this.show(job, side, signal);
   }
 
   /** Opens a job by its id, whatever its state. */
@@ -307,81 +316,63 @@ export class Session {
     const job = await this.api.job(id, signal);
     signal.throwIfAborted();
     await this.bringCloud(job, side, signal);
+    if (side === 0) this.setRun({method: job.method, parameters: job.parameters});
     await this.watch(job, side, signal);
   }
 
-  /** The points of a job that was opened by its link, if this device has kept them. */
+  /**
+   * The points of a job that was opened by its link, if this device has kept them; else what the server says of them.
+   */
   private async bringCloud(job: Job, side: Side, signal: AbortSignal): Promise<void> {
-    const {cloud} = this.state;
     const id = job.cloud_id ?? undefined;
-    if (side === 1 || (id && cloud?.id === id)) return;
+    if (side === 1 || (id && this.state.cloud?.id === id)) return;
     const file = id ? await keptCloud(id) : undefined;
     signal.throwIfAborted();
-    if (file)
+    if (file && id) {
       await this.setCloud(file, id);
-    else
-      this.replaceCloud(
-          id ? {name: `cloud ${id.slice(0, 8)}`, size: 0, id, noPreview: 'only the server has its points'} : undefined,
-          '');
+    } else {
+      const stored = id ? await this.api.cloud(id).catch(() => undefined) : undefined;
+      signal.throwIfAborted();
+      const name = job.labels[0] ?? (id ? t.cloud.unnamed(id.slice(0, 8)) : '');
+      this.replaceCloud(id ? {name, size: stored?.bytes ?? 0, id, stored} : undefined, '');
+    }
     signal.throwIfAborted();
   }
 
   private async show(job: Job, side: Side, signal: AbortSignal): Promise<void> {
     const progress = (fraction: number): void =>
-        this.work({side, what: 'load', fraction, detail: 'fetching the mesh', job}, signal);
+        this.work({side, what: 'load', fraction, detail: t.work.fetching, job}, signal);
     progress(0);
-    const [glb, report] = await Promise.all(
-        [this.api.bytes(`v1/jobs/${job.id}/outputs/mesh.glb`, progress, signal), this.api.report(job.id, signal)]);
+    const [glb, report] = await Promise.all([
+      this.api.bytes(`v1/jobs/${job.id}/outputs/mesh.glb`, progress, signal),
+      this.api.report(job.id, signal),
+    ]);
     signal.throwIfAborted();
-    this.work({side, what: 'load', detail: 'measuring the mesh', job}, signal);
+    this.work({side, what: 'load', detail: t.work.measuring, job}, signal);
     const mesh = await this.geometry.loadMesh(glb);
-    if (signal.aborted) void this.geometry.forget(mesh.handle);
+    if (signal.aborted) this.letGo(mesh.handle);
     signal.throwIfAborted();
     const results: State['results'] = [...this.state.results];
-    const before = results[side];
+    this.letGo(results[side]?.mesh.handle);
     results[side] = {job, report, mesh};
-    if (before) void this.geometry.forget(before.mesh.handle);
-    const colour = this.state.colour === 'difference' ? 'none' : this.state.colour;
+    const notice = t.work.done(count(report.mesh.triangles), report.mesh.closed);
+    const {colour, look} = this.state;
+    const own = mesh.colours ? 'own' : 'none';
     this.setLinks(results);
     this.change({
       results,
+      notice,
       difference: undefined,
       pointed: undefined,
       work: undefined,
-      colour,
-      look: {...this.state.look, points: false}
+      look: {...look, points: false},
+      colour: colour === 'difference' || colour === 'none' || colour === 'own' ? own : colour,
     });
     await this.complete();
   }
 
-  /** Measures what the present look needs and has not yet. */
-  async complete(): Promise<void> {
-    const {cloud, results, look, colour} = this.state;
-    // The worker holds what is shown, and may have let go of the others meanwhile.
-    const shown = (result: Result|undefined): result is Result =>
-        result !== undefined && this.state.results.includes(result);
-    for (const result of results) {
-      if (!shown(result)) continue;
-      const {mesh} = result;
-      if (cloud?.data && look.marks && !result.unused && (result.report.quality.unused_points ?? 1) > 0) {
-        result.unused = await this.geometry.unused(mesh.handle, cloud.data.handle, result.report.mesh.closed);
-        this.change({}, 'view');
-      }
-      if (look.wireframe && !result.wireframe && shown(result)) {
-        result.wireframe = await this.geometry.wireframe(mesh.handle);
-        this.change({}, 'view');
-      }
-      if (colour === 'distance' && cloud?.data && !result.distances && shown(result)) {
-        result.distances = await this.geometry.distances(mesh.handle, cloud.data.handle);
-        this.change({}, 'view');
-      }
-    }
-    const [first, second] = this.state.results;
-    if (colour === 'difference' && first && second && !this.state.difference) {
-      this.change({notice: 'Measuring the difference …'});
-      const difference = await this.geometry.difference(first.mesh.handle, second.mesh.handle);
-      if (shown(first) && shown(second)) this.change({difference, notice: ''});
-    }
+  private complete(): Promise<void> {
+    return complete(this.geometry, this.state, (part, what) => this.change(part, what));
   }
 
   setLook(look: Partial<State['look']>): void {
@@ -397,9 +388,19 @@ export class Session {
   async cancel(): Promise<void> {
     const job = this.state.work?.job;
     this.stop();
-    this.change({work: undefined, notice: 'Cancelled.'});
+    this.change({work: undefined, notice: t.work.cancelled});
     if (job && !isEnded(job)) await this.guard(async () => void (await this.api.cancel(job.id)));
     await this.refreshHistory().catch(() => undefined);
+  }
+
+  /** Deletes a job that has ended, with its files. */
+  remove(id: string): Promise<void> {
+    return this.guard(async () => {
+      await this.api.remove(id);
+      dropPicture(id);
+      this.change({notice: t.jobs.removed});
+      await this.refreshHistory();
+    });
   }
 
   retry(id: string): Promise<void> {
@@ -412,14 +413,18 @@ export class Session {
 
   closeSecond(): void {
     const [first, second] = this.state.results;
-    if (second) void this.geometry.forget(second.mesh.handle);
-    const results: State['results'] = [first, undefined];
-    this.setLinks(results);
+    this.setLinks([first, undefined]);
+    this.drop(second);
+  }
+
+  private drop(second: Result|undefined): void {
+    this.letGo(second?.mesh.handle);
+    const {results: [first], colour} = this.state;
     this.change({
-      results,
+      results: [first, undefined],
       difference: undefined,
       notice: '',
-      colour: this.state.colour === 'difference' ? 'none' : this.state.colour
+      colour: colour === 'difference' ? 'none' : colour
     });
   }
 
@@ -430,19 +435,12 @@ export class Session {
     this.change({work: undefined}, 'work');
   }
 
-  private forget(): void {
-    const {cloud, results} = this.state;
-    for (const handle of [cloud?.data?.handle, ...results.map((result: Result|undefined) => result?.mesh.handle)]) {
-      if (handle !== undefined) void this.geometry.forget(handle);
-    }
-  }
-
-  private setLink(job: string): void {
-    history.replaceState(null, '', `?job=${job}`);
+  private letGo(handle: number|undefined): void {
+    if (handle !== undefined) void this.geometry.forget(handle);
   }
 
   /** Before the results are shown, because the panel shows the link too. */
   private setLinks([first, second]: State['results']): void {
-    if (first) history.replaceState(null, '', `?job=${first.job.id}${second ? `&with=${second.job.id}` : ''}`);
+    if (first) writeLink({job: first.job.id, other: second?.job.id});
   }
 }

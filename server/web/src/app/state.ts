@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the page knows. One object, changed by Session alone; whoever shows something of it is told of every change.
 import type {ApiError} from '../api/client';
-import type {Job, Method, Report, Sample} from '../api/types';
+import type {Cloud, Job, Method, Report, Sample} from '../api/types';
 import type {TableOptions} from '../clouds/table';
 import type {Difference, LoadedCloud, LoadedMesh, UnusedPoints} from '../worker/protocol';
 import type {Clip} from '../view/stage';
@@ -17,6 +17,10 @@ export interface ChosenCloud {
   noPreview?: string|undefined;
   /** Once the server has stored it. */
   id?: string|undefined;
+  /** What the server says of it, where this page cannot read it. */
+  stored?: Cloud|undefined;
+  /** It was cropped out of this one. */
+  whole?: ChosenCloud|undefined;
 }
 
 /** A job whose mesh is shown. */
@@ -41,12 +45,23 @@ export interface Work {
 }
 
 export type Side = 0|1;
-export type ColourBy = 'none'|'lR'|'rL'|'angle'|'distance'|'difference';
+/** The first line is of points and mesh, the second of the triangles. */
+export type ColourBy = 'none'|'own'|'height'|'intensity'|'class'|'lR'|'rL'|'angle'|'distance'|'difference';
+
+/** What the form of the method says, and the next job is going to be. */
+export interface Run {
+  method: string;
+  /** Those that differ from their defaults. */
+  parameters: Record<string, unknown>;
+}
 
 export interface State {
   methods: Method[];
   samples: Sample[];
   cloud?: ChosenCloud|undefined;
+  /** Several files that came at once, until it is said what becomes of them. */
+  dropped: File[];
+  run?: Run|undefined;
   /** How a text is to be read. */
   table: TableOptions;
   results: [Result|undefined, Result|undefined];
@@ -59,6 +74,10 @@ export interface State {
   notice: string;
   history: Job[];
   needsKey: boolean;
+  /** Nothing can be drawn. */
+  blind: boolean;
+  /** Counts the pictures of results that were kept. */
+  pictures: number;
   look: Look;
   clip: Clip;
   colour: ColourBy;
@@ -72,12 +91,15 @@ export function initialState(): State {
   return {
     methods: [],
     samples: [],
+    dropped: [],
     table: {},
     results: [undefined, undefined],
     notice: '',
     history: [],
     needsKey: false,
-    look: {points: true, surface: true, wireframe: false, smooth: false, marks: true},
+    blind: false,
+    pictures: 0,
+    look: {points: true, surface: true, wireframe: false, smooth: false, marks: true, shade: true},
     clip: {axis: 'none', place: 0.5, flip: false},
     colour: 'none',
     up: 'y',

@@ -1,8 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 import type {TableForm} from './table';
 
+/** What a reader finds of each point. */
+export interface Points {
+  /** xyz of each. */
+  xyz: Float32Array|Float64Array;
+  /** Red, green, blue of each, in sRGB. */
+  colours?: Uint8Array|undefined;
+  normals?: boolean|undefined;
+  intensity?: Float32Array|undefined;
+  classes?: Uint8Array|undefined;
+}
+
 /** Points as the viewer draws them. */
-export interface CloudData {
+export interface CloudData extends Omit<Points, 'xyz'> {
   /** xyz of each point, less the origin. */
   positions: Float32Array;
   /** What was taken from every coordinate, so that float32 is enough for the rest. */
@@ -17,24 +28,53 @@ export interface CloudData {
 
 export class UnreadableCloud extends Error {}
 
+/** Bytes of colours out of channels of any range, which the largest tells: up to 1, up to 255, up to 65535. */
+export function colourBytes(channels: ArrayLike<number>, integers: boolean): Uint8Array|undefined {
+  let most = 0;
+  for (let i = 0; i < channels.length; i += 1) {
+    if (!(channels[i] >= 0)) return undefined;
+    most = Math.max(most, channels[i]);
+  }
+  if (most === 0) return undefined;
+  const scale = most <= 1 && !integers ? 255 : most <= 255 ? 1 : 1 / 257;
+  return Uint8Array.from(channels, (value) => Math.round(value * scale));
+}
+
+/** Those of the rows, each so wide, that are kept. */
+function keptRows<T extends Float32Array|Float64Array|Uint8Array>(values: T, width: number, keep: Uint8Array): T {
+  return values.filter((_, i) => keep[Math.floor(i / width)] === 1) as T;
+}
+
 /** Points that have no measurement are left out, as the server does. */
-function measured<T extends Float64Array|Float32Array>(xyz: T): T {
-  if (xyz.every((value) => Number.isFinite(value))) return xyz;
-  return xyz.filter((_, i) => [0, 1, 2].every((axis) => Number.isFinite(xyz[i - (i % 3) + axis]))) as T;
+function measured(points: Points): Points {
+  const {xyz, colours, intensity, classes} = points;
+  if (xyz.every((value) => Number.isFinite(value))) return points;
+  const keep = new Uint8Array(xyz.length / 3).fill(1);
+  xyz.forEach((value, i) => {
+    if (!Number.isFinite(value)) keep[Math.floor(i / 3)] = 0;
+  });
+  return {
+    ...points,
+    xyz: keptRows(xyz, 3, keep),
+    colours: colours && keptRows(colours, 3, keep),
+    intensity: intensity && keptRows(intensity, 1, keep),
+    classes: classes && keptRows(classes, 1, keep),
+  };
 }
 
 /** Coordinates that float32 does not hold exactly are taken from the middle of their box. */
-export function toCloudData(given: Float64Array|Float32Array, format: string): CloudData {
-  const xyz = measured(given);
-  const missing = (given.length - xyz.length) / 3;
+export function toCloudData(given: Points, format: string): CloudData {
+  const {xyz, ...others} = measured(given);
+  const missing = (given.xyz.length - xyz.length) / 3;
   if (xyz.length === 0) throw new UnreadableCloud('the file holds no points');
   if (xyz instanceof Float32Array || xyz.every((value) => Math.fround(value) === value)) {
-    return {positions: xyz instanceof Float32Array ? xyz : Float32Array.from(xyz), origin: [0, 0, 0], format, missing};
+    const positions = xyz instanceof Float32Array ? xyz : Float32Array.from(xyz);
+    return {...others, positions, origin: [0, 0, 0], format, missing};
   }
   const origin = originOf(xyz);
   const positions = new Float32Array(xyz.length);
   for (let i = 0; i < xyz.length; i += 1) positions[i] = xyz[i] - origin[i % 3];
-  return {positions, origin, format, missing};
+  return {...others, positions, origin, format, missing};
 }
 
 function originOf(xyz: Float64Array): [number, number, number] {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Positions and triangles of glTF and GLB. three's GLTFLoader is not used: it also builds materials and textures, and
-// its Draco loader starts workers from blobs, which the page's policy forbids.
+// Positions, colours and triangles of glTF and GLB. three's GLTFLoader is not used: it also builds materials and
+// textures, and its Draco loader starts workers from blobs, which the page's policy forbids.
 import {Matrix4, Quaternion, Vector3} from 'three';
 import {MeshoptDecoder} from 'three/examples/jsm/libs/meshopt_decoder.module.js';
 
-import {UnreadableCloud} from './cloud_data';
+import {UnreadableCloud, type Points} from './cloud_data';
 import {decodeDraco} from './draco';
 
 interface Primitive {
@@ -115,19 +115,36 @@ async function readAccessor<T extends Float32Array|Uint32Array>(
   return out;
 }
 
-export async function readPrimitive(
-    json: Gltf, buffer: Uint8Array, primitive: Primitive): Promise<{positions: Float32Array; index?: Uint32Array}> {
+export interface PrimitiveData {
+  positions: Float32Array;
+  index?: Uint32Array|undefined;
+  colours?: Uint8Array|undefined;
+  normals: boolean;
+}
+
+/** Bytes of red, green and blue, whatever they are stored as. */
+async function readColours(json: Gltf, buffer: Uint8Array, accessor: number): Promise<Uint8Array> {
+  const width = json.accessors?.[accessor]?.type === 'VEC4' ? 4 : 3;
+  const values = await readAccessor(json, buffer, accessor, width, (size) => new Float32Array(size));
+  const channels = width === 3 ? values : values.filter((_, i) => i % 4 < 3);
+  return Uint8Array.from(channels, (value) => Math.round(255 * Math.min(1, Math.max(0, value))));
+}
+
+export async function readPrimitive(json: Gltf, buffer: Uint8Array, primitive: Primitive): Promise<PrimitiveData> {
   const draco = primitive.extensions?.KHR_draco_mesh_compression;
   if (draco) {
     const view = json.bufferViews?.[draco.bufferView];
     if (!view) throw new UnreadableCloud('the glTF has Draco data without bytes');
     const start = view.byteOffset ?? 0;
-    return decodeDraco(buffer.slice(start, start + view.byteLength), draco.attributes.POSITION);
+    return decodeDraco(buffer.slice(start, start + view.byteLength), draco.attributes);
   }
-  const positions =
-      await readAccessor(json, buffer, primitive.attributes.POSITION, 3, (size) => new Float32Array(size));
-  if (primitive.indices === undefined) return {positions};
-  return {positions, index: await readAccessor(json, buffer, primitive.indices, 1, (size) => new Uint32Array(size))};
+  const {POSITION, NORMAL, COLOR_0} = primitive.attributes;
+  const positions = await readAccessor(json, buffer, POSITION, 3, (size) => new Float32Array(size));
+  const colours = COLOR_0 === undefined ? undefined : await readColours(json, buffer, COLOR_0);
+  const normals = NORMAL !== undefined;
+  if (primitive.indices === undefined) return {positions, colours, normals};
+  const index = await readAccessor(json, buffer, primitive.indices, 1, (size) => new Uint32Array(size));
+  return {positions, colours, normals, index};
 }
 
 function localMatrix(node: Node): Matrix4 {
@@ -137,22 +154,27 @@ function localMatrix(node: Node): Matrix4 {
 }
 
 /** Points of all meshes of the scene, where their nodes put them. */
-export async function readScenePoints(json: Gltf, buffer: Uint8Array): Promise<Float64Array> {
-  const points: number[] = [];
+export async function readScenePoints(json: Gltf, buffer: Uint8Array): Promise<Points> {
+  const values: number[] = [];
+  const colours: number[] = [];
+  let normals = false;
   const visit = async(index: number, parent: Matrix4, depth: number): Promise<void> => {
     const node = json.nodes?.[index];
     if (!node || depth > 64) return;
     const world = parent.clone().multiply(localMatrix(node));
     for (const primitive of json.meshes?.[node.mesh ?? -1]?.primitives ?? []) {
-      const {positions} = await readPrimitive(json, buffer, primitive);
+      const part = await readPrimitive(json, buffer, primitive);
       const p = new Vector3();
-      for (let i = 0; i < positions.length; i += 3) {
-        p.fromArray(positions, i).applyMatrix4(world);
-        points.push(p.x, p.y, p.z);
+      for (let i = 0; i < part.positions.length; i += 3) {
+        p.fromArray(part.positions, i).applyMatrix4(world);
+        values.push(p.x, p.y, p.z);
       }
+      part.colours?.forEach((byte) => colours.push(byte));
+      normals ||= part.normals;
     }
     for (const child of node.children ?? []) await visit(child, world, depth + 1);
   };
   for (const root of json.scenes?.[json.scene ?? 0]?.nodes ?? []) await visit(root, new Matrix4(), 0);
-  return Float64Array.from(points);
+  const coloured = colours.length === values.length;
+  return {xyz: Float64Array.from(values), colours: coloured ? Uint8Array.from(colours) : undefined, normals};
 }

@@ -1,8 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Positions of a LAS (1.0 to 1.4): integers, scaled and moved as the header says. LAZ is left to the server.
-import {UnreadableCloud} from './cloud_data';
+// Points of a LAS (1.0 to 1.4): integers, scaled and moved as the header says; their intensity, class and colour.
+// LAZ is left to the server.
+import {colourBytes, UnreadableCloud, type Points} from './cloud_data';
 
-export function readLas(bytes: Uint8Array): Float64Array {
+/** Where the colour begins in a record, by its format. */
+const kColour: Record<number, number> = {
+  2: 20,
+  3: 28,
+  5: 28,
+  7: 30,
+  8: 30,
+  10: 30
+};
+
+/** What is measured of each point besides its place; nothing where it is the same for all. */
+function attributesOf(view: DataView, start: number, stride: number, points: number, kind: number):
+    Pick<Points, 'colours'|'intensity'|'classes'> {
+  const of = (i: number, at: number): number => start + i * stride + at;
+  const intensity = Float32Array.from({length: points}, (_, i) => view.getUint16(of(i, 12), true));
+  const [classAt, mask] = kind >= 6 ? [16, 0xff] : [15, 0x1f];
+  const classes = Uint8Array.from({length: points}, (_, i) => view.getUint8(of(i, classAt)) & mask);
+  const colourAt = kColour[kind];
+  const channels = colourAt !== undefined && colourAt + 6 <= stride &&
+      Float32Array.from(
+          {length: 3 * points}, (_, c) => view.getUint16(of(Math.floor(c / 3), colourAt + 2 * (c % 3)), true));
+  return {
+    intensity: intensity.some((value) => value !== intensity[0]) ? intensity : undefined,
+    classes: classes.some((value) => value !== classes[0]) ? classes : undefined,
+    colours: channels ? colourBytes(channels, true) : undefined,
+  };
+}
+
+export function readLas(bytes: Uint8Array): Points {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const minor = view.getUint8(25);
   const start = view.getUint32(96, true);
@@ -20,5 +49,5 @@ export function readLas(bytes: Uint8Array): Float64Array {
     for (let k = 0; k < 3; k += 1)
       xyz[3 * i + k] = view.getInt32(start + i * stride + 4 * k, true) * scale[k] + offset[k];
   }
-  return xyz;
+  return {xyz, ...(stride >= 20 ? attributesOf(view, start, stride, points, kind) : {})};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Positions of a PLY: ascii and binary, every scalar type, any order of properties and elements.
-import {UnreadableCloud} from './cloud_data';
+// Points of a PLY, and their colours: ascii and binary, every scalar type, any order of properties and elements.
+import {colourBytes, UnreadableCloud, type Points} from './cloud_data';
 
 interface Property {
   name: string;
@@ -86,11 +86,35 @@ function readHeader(bytes: Uint8Array): Header {
   return header;
 }
 
-function axesOf(vertex: Element): number[] {
-  const axes = ['x', 'y', 'z'].map(
+/** Where scalars of these names are among the properties; nothing if one is missing. */
+function scalarsOf(vertex: Element, names: string[]): number[]|undefined {
+  const found = names.map(
       (name) => vertex.properties.findIndex((property) => property.name.toLowerCase() === name && !property.countType));
-  if (axes.includes(-1)) throw new UnreadableCloud('the PLY has no scalars x, y and z');
+  return found.includes(-1) ? undefined : found;
+}
+
+function axesOf(vertex: Element): number[] {
+  const axes = scalarsOf(vertex, ['x', 'y', 'z']);
+  if (!axes) throw new UnreadableCloud('the PLY has no scalars x, y and z');
   return axes;
+}
+
+const kColourNames = [['red', 'green', 'blue'], ['r', 'g', 'b'], ['diffuse_red', 'diffuse_green', 'diffuse_blue']];
+
+const coloursOf = (vertex: Element): number[]|undefined =>
+    kColourNames.map((names) => scalarsOf(vertex, names)).find((found) => found !== undefined);
+
+/** Values of some properties of all vertices, by the vertex. */
+type Pick = (properties: number[]) => Float64Array;
+
+function pointsOf(vertex: Element, xyz: Float32Array|Float64Array, pick: Pick): Points {
+  const colours = coloursOf(vertex);
+  const integers = colours !== undefined && !/float|double/.test(vertex.properties[colours[0]].type);
+  return {
+    xyz,
+    colours: colours && colourBytes(pick(colours), integers),
+    normals: scalarsOf(vertex, ['nx', 'ny', 'nz']) !== undefined,
+  };
 }
 
 function skipRow(view: DataView, at: number, element: Element, little: boolean): number {
@@ -106,7 +130,7 @@ function skipRow(view: DataView, at: number, element: Element, little: boolean):
   return place;
 }
 
-function readBinary(bytes: Uint8Array, header: Header, vertexAt: number): Float32Array|Float64Array {
+function readBinary(bytes: Uint8Array, header: Header, vertexAt: number): Points {
   const little = header.format === 'binary_little_endian';
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   let at = header.bodyAt;
@@ -126,29 +150,38 @@ function readBinary(bytes: Uint8Array, header: Header, vertexAt: number): Float3
   if (at + vertex.count * stride > bytes.length) throw new UnreadableCloud('the PLY ends before its points do');
   const types = axes.map((axis) => vertex.properties[axis].type);
   const single = types.every((type) => type === 'float' || type === 'float32');
-  const xyz = single ? new Float32Array(3 * vertex.count) : new Float64Array(3 * vertex.count);
-  for (let i = 0; i < vertex.count; i += 1, at += stride) {
-    for (let k = 0; k < 3; k += 1) xyz[3 * i + k] = readScalar(view, at + offsets[axes[k]], types[k], little);
-  }
-  return xyz;
+  const pick = (properties: number[]): Float64Array => {
+    const width = properties.length;
+    const values = new Float64Array(width * vertex.count);
+    properties.forEach((property, k) => {
+      const {type} = vertex.properties[property];
+      for (let i = 0; i < vertex.count; i += 1)
+        values[width * i + k] = readScalar(view, at + i * stride + offsets[property], type, little);
+    });
+    return values;
+  };
+  return pointsOf(vertex, single ? Float32Array.from(pick(axes)) : pick(axes), pick);
 }
 
-function readAscii(bytes: Uint8Array, header: Header, vertexAt: number): Float64Array {
+function readAscii(bytes: Uint8Array, header: Header, vertexAt: number): Points {
   const vertex = header.elements[vertexAt];
-  const axes = axesOf(vertex);
   const lines =
       new TextDecoder('latin1').decode(bytes.subarray(header.bodyAt)).split('\n').filter((line) => line.trim() !== '');
   const skip = header.elements.slice(0, vertexAt).reduce((sum, element) => sum + element.count, 0);
+  const axes = axesOf(vertex);
   if (lines.length < skip + vertex.count) throw new UnreadableCloud('the PLY ends before its points do');
-  const xyz = new Float64Array(3 * vertex.count);
-  for (let i = 0; i < vertex.count; i += 1) {
-    const words = lines[skip + i].trim().split(/\s+/);
-    for (let k = 0; k < 3; k += 1) xyz[3 * i + k] = Number(words[axes[k]]);
-  }
-  return xyz;
+  const pick = (properties: number[]): Float64Array => {
+    const values = new Float64Array(properties.length * vertex.count);
+    for (let i = 0; i < vertex.count; i += 1) {
+      const words = lines[skip + i].trim().split(/\s+/);
+      properties.forEach((property, k) => (values[properties.length * i + k] = Number(words[property])));
+    }
+    return values;
+  };
+  return pointsOf(vertex, pick(axes), pick);
 }
 
-export function readPly(bytes: Uint8Array): Float32Array|Float64Array {
+export function readPly(bytes: Uint8Array): Points {
   const header = readHeader(bytes);
   const vertexAt = header.elements.findIndex((element) => element.name === 'vertex');
   if (vertexAt < 0) throw new UnreadableCloud('the PLY has no vertices');

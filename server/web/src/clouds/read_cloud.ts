@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Points of a file, told by its content as the server does. What cannot be read here is for the server to judge.
 import {toCloudData, UnreadableCloud, type CloudData} from './cloud_data';
-import {decodeDraco} from './draco';
+import {decodeDraco, pointsOf} from './draco';
 import {openGlb, openGltf, readScenePoints} from './gltf';
 import {readLas} from './las';
 import {readPcd} from './pcd';
@@ -30,7 +30,7 @@ export async function readCloud(given: Uint8Array, table: TableOptions = {}): Pr
   if (encodingOf(bytes) !== 'utf-8') return readCloud(new TextEncoder().encode(decodeText(bytes)), table);
   const head = new TextDecoder('latin1').decode(bytes.subarray(0, 4096));
   if (/^ply[ \t]*[\r\n]/i.test(head)) return toCloudData(readPly(bytes), 'PLY');
-  if (head.startsWith('DRACO')) return toCloudData((await decodeDraco(bytes)).positions, 'Draco');
+  if (head.startsWith('DRACO')) return toCloudData(pointsOf(await decodeDraco(bytes)), 'Draco');
   if (head.startsWith('LASF')) return toCloudData(readLas(bytes), 'LAS');
   if (head.startsWith('glTF')) {
     const {json, buffer} = openGlb(bytes);
@@ -47,6 +47,6 @@ export async function readCloud(given: Uint8Array, table: TableOptions = {}): Pr
   if (/[\x00-\x08\x0e-\x19\x1c-\x1f]/.test(new TextDecoder('latin1').decode(bytes.subarray(0, 16_384))))
     throw new UnreadableCloud('the file is in no format that this page reads');
   if (kStrangers.test(head)) throw new UnreadableCloud('the file is in no format that this page reads');
-  const {xyz, form} = readText(bytes, table);
-  return {...toCloudData(xyz, 'text'), table: form};
+  const {form, ...points} = readText(bytes, table);
+  return {...toCloudData(points, 'text'), table: form};
 }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Positions of text: XYZ, CSV, PTS, as the server reads them.
-import {UnreadableCloud} from './cloud_data';
+// Points of text: XYZ, CSV, PTS, as the server reads them.
+import {colourBytes, UnreadableCloud, type Points} from './cloud_data';
 import {guessTable, isComment, isEmptyRow, kTableSample, parseCell, valuesOf, type TableForm, type TableOptions} from './table';
 
-export interface TextPoints {
-  xyz: Float64Array;
+export interface TextPoints extends Points {
   form: TableForm;
 }
 
@@ -38,7 +37,9 @@ export function readText(bytes: Uint8Array, options: TableOptions = {}): TextPoi
   const text = decodeText(bytes);
   const form = formOf(text, options);
   const columns = (['x', 'y', 'z'] as const).map((role) => form.roles.indexOf(role));
+  const tints = (['r', 'g', 'b'] as const).map((role) => form.roles.indexOf(role));
   const values: number[] = [];
+  const channels: number[] = [];
   let declared: number|undefined;
   text.split(/\r\n|\n|\r/).forEach((line, at) => {
     const start = line.trimStart();
@@ -58,13 +59,22 @@ export function readText(bytes: Uint8Array, options: TableOptions = {}): TextPoi
         columns.map((column) => (column < cells.length ? parseCell(cells[column], form.decimalComma) : undefined));
     if (point.includes(undefined)) throw new UnreadableCloud(`line ${at + 1} of the text is no point`);
     values.push(...(point as number[]));
+    if (tints[0] >= 0)
+      channels.push(...tints.map((column) => parseCell(cells[column] ?? '', form.decimalComma) ?? NaN));
   });
   if (values.length === 0) throw new UnreadableCloud('the text holds no points');
-  return {xyz: Float64Array.from(values), form};
+  return {
+    xyz: Float64Array.from(values),
+    form,
+    colours: colourBytes(channels, channels.every(Number.isInteger)),
+    normals: form.roles.includes('nx'),
+  };
 }
 
-export function readObj(bytes: Uint8Array): Float64Array {
+export function readObj(bytes: Uint8Array): Points {
   const values: number[] = [];
+  const channels: number[] = [];
+  let normals = false;
   let begun = '';
   for (const line of [...decodeText(bytes).split(/\r\n|\n|\r/), '']) {
     const statement = begun + line.trim();
@@ -75,9 +85,17 @@ export function readObj(bytes: Uint8Array): Float64Array {
       continue;
     }
     const words = statement.split(/\s+/);
-    if (words[0] === 'v') values.push(Number(words[1]), Number(words[2]), Number(words[3]));
+    normals ||= words[0] === 'vn';
+    if (words[0] !== 'v') continue;
+    values.push(Number(words[1]), Number(words[2]), Number(words[3]));
+    if (words.length === 7) channels.push(Number(words[4]), Number(words[5]), Number(words[6]));
   }
-  return Float64Array.from(values);
+  const coloured = channels.length === values.length;
+  return {
+    xyz: Float64Array.from(values),
+    colours: coloured ? colourBytes(channels, channels.every(Number.isInteger)) : undefined,
+    normals,
+  };
 }
 
 export const isObj = (text: string): boolean => /^(\s*(#.*)?\r?\n)*\s*(v|vn|vt|o|g|mtllib|s|f)\s/.test(text);

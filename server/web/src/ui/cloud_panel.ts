@@ -4,48 +4,23 @@ import type {Session} from '../app/session';
 import type {ChosenCloud, State} from '../app/state';
 import {wordOf} from '../clouds/table';
 import {bytes, count, real} from '../words/numbers';
+import {t} from '../words/words';
 import {whenChanged} from './changed';
 import {fill, h} from './dom';
 
 export const kFormats = 'PLY, Draco, LAS, PCD, glTF, OBJ, STL, XYZ, CSV';
 
 export function fileButton(session: Session, text: string, look: string): HTMLElement {
-  const input = h('input', {type: 'file', class: 'visually-hidden', 'aria-label': 'Choose a point cloud file'});
+  const input = h('input', {type: 'file', multiple: true, class: 'visually-hidden', 'aria-label': t.cloud.chooseLabel});
   input.addEventListener('change', () => {
-    const file = input.files?.[0];
-    if (file) void session.chooseFile(file);
+    void session.chooseFiles([...(input.files ?? [])]);
     input.value = '';
   });
   return h('label', {class: `button ${look}`}, text, input);
 }
 
-function facts(cloud: ChosenCloud): HTMLElement {
-  const rows: [string, string][] = [];
-  if (cloud.size > 0) rows.push(['Size', bytes(cloud.size)]);
-  const {data} = cloud;
-  if (data) {
-    rows.push(
-        ['Format', data.format], ['Points', count(data.positions.length / 3 + data.missing)],
-        ['Extent', extent(data.positions)]);
-  }
-  return h('dl', {class: 'facts'}, ...rows.flatMap(([name, value]) => [h('dt', {}, name), h('dd', {}, value)]));
-}
-
-/** The first rows of a text under what their columns are taken for. */
-function rows(cloud: ChosenCloud): HTMLElement|undefined {
-  const table = cloud.data?.table;
-  if (!table) return undefined;
-  const how = `Columns ${table.guessed ? 'guessed' : 'read'} as ${table.roles.join(',')}, ${
-      wordOf(table.separator)} between values, decimal ${table.decimalComma ? 'commas' : 'points'}.`;
-  return h(
-      'details', {class: 'table-preview', open: table.guessed}, h('summary', {}, 'Columns'),
-      h('p', {class: 'hint'}, how, ' The parameters ', h('code', {}, 'columns'), ', ', h('code', {}, 'separator'), ', ',
-        h('code', {}, 'decimal'), ' and ', h('code', {}, 'skip'), ' say otherwise.'),
-      h('div', {class: 'scroll'},
-        h('table', {}, h('thead', {}, h('tr', {}, ...table.roles.map((role) => h('th', {scope: 'col'}, role)))),
-          h('tbody', {},
-            ...table.preview.map((cells) => h('tr', {}, ...table.roles.map((_, c) => h('td', {}, cells[c] ?? ''))))))));
-}
+const sizesOf = (low: number[], high: number[]): string =>
+    low.map((value, axis) => real(high[axis] - value)).join(' × ');
 
 function extent(positions: Float32Array): string {
   const low = [Infinity, Infinity, Infinity];
@@ -54,35 +29,95 @@ function extent(positions: Float32Array): string {
     low[i % 3] = Math.min(low[i % 3], value);
     high[i % 3] = Math.max(high[i % 3], value);
   });
-  return low.map((value, axis) => real(high[axis] - value)).join(' × ');
+  return sizesOf(low, high);
+}
+
+/** What is known of each point besides its place. */
+function attributes({data, stored}: ChosenCloud): string {
+  const server = stored?.attributes ?? [];
+  const known: [unknown, string][] = [
+    [data?.colours ?? server.includes('color'), t.cloud.colours],
+    [data?.normals ?? server.includes('normal'), t.cloud.normals],
+    [data?.intensity, t.cloud.intensity],
+    [data?.classes, t.cloud.classes],
+  ];
+  return known.filter(([there]) => there).map(([, word]) => word).join(', ');
+}
+
+function facts(cloud: ChosenCloud): HTMLElement {
+  const {data, stored} = cloud;
+  const rows: [string, string][] = [];
+  if (cloud.size > 0) rows.push([t.cloud.size, bytes(cloud.size)]);
+  if (data) {
+    rows.push([t.cloud.format, data.format], [t.cloud.points, count(data.positions.length / 3 + data.missing)]);
+    rows.push([t.cloud.extent, extent(data.positions)]);
+  } else if (stored?.points && stored.bounds) {
+    rows.push([t.cloud.points, count(stored.points)], [t.cloud.extent, sizesOf(stored.bounds.min, stored.bounds.max)]);
+  }
+  const list = h('dl', {class: 'facts'}, ...rows.flatMap(([name, value]) => [h('dt', {}, name), h('dd', {}, value)]));
+  const has = attributes(cloud);
+  return has ? h('div', {}, list, h('p', {class: 'hint attributes'}, `${t.cloud.has}: ${has}`)) : list;
+}
+
+/** The first rows of a text under what their columns are taken for. */
+function rows(cloud: ChosenCloud): HTMLElement|undefined {
+  const table = cloud.data?.table;
+  if (!table) return undefined;
+  const how = t.cloud.columnsTaken(table.guessed, table.roles.join(','), wordOf(table.separator), table.decimalComma);
+  const names =
+      ['columns', 'separator', 'decimal', 'skip'].flatMap((name, i) => [i > 0 ? ', ' : '', h('code', {}, name)]);
+  const head = h('tr', {}, ...table.roles.map((role) => h('th', {scope: 'col'}, role)));
+  const lines = table.preview.map((cells) => h('tr', {}, ...table.roles.map((_, c) => h('td', {}, cells[c] ?? ''))));
+  return h(
+      'details', {class: 'table-preview', open: table.guessed}, h('summary', {}, t.cloud.columns),
+      h('p', {class: 'hint'}, how, ' ', t.cloud.columnsOtherwise[0], ...names, t.cloud.columnsOtherwise[1]),
+      h('div', {class: 'scroll', tabIndex: 0, role: 'region', 'aria-label': t.cloud.columns},
+        h('table', {}, h('thead', {}, head), h('tbody', {}, ...lines))));
+}
+
+function note(cloud: ChosenCloud): string|undefined {
+  if (cloud.file?.size === 0) return t.cloud.empty;
+  if (cloud.noPreview) return t.cloud.noPreview(cloud.noPreview);
+  return cloud.file ? undefined : t.cloud.onServer;
+}
+
+function droppedFiles(session: Session, files: File[]): HTMLElement {
+  const first =
+      h('button', {type: 'button', class: 'button small', onclick: () => files[0] && void session.chooseFile(files[0])},
+        t.batch.first);
+  return h(
+      'div', {class: 'dropped'}, h('p', {class: 'name'}, t.batch.title(files.length)),
+      h('ul', {class: 'hint'}, ...files.map((file) => h('li', {}, `${file.name} · ${bytes(file.size)}`))),
+      h('p', {class: 'hint'}, t.batch.hint), h('div', {class: 'row'}, first));
 }
 
 export function mountCloudPanel(host: HTMLElement, session: Session): void {
   const show = (state: State): void => {
-    const {cloud} = state;
+    const {cloud, dropped} = state;
+    const said = cloud && note(cloud);
+    const samples = state.samples.map(
+        (sample) =>
+            h('button', {
+              type: 'button',
+              class: 'chip',
+              title: sample.description,
+              onclick: () => void session.chooseSample(sample)
+            },
+              sample.title));
+    // The button that was pressed keeps the focus.
+    const focused = host.contains(document.activeElement) ? document.activeElement?.textContent : undefined;
+    const step = h('span', {class: 'step', 'aria-hidden': 'true'}, '1');
     fill(
-        host, h('h2', {}, h('span', {class: 'step', 'aria-hidden': 'true'}, '1'), 'Cloud'),
-        cloud ? h('p', {class: 'name'}, cloud.name) :
-                h('p', {class: 'hint'}, `Drop a file anywhere on the page, or choose one: ${kFormats}.`),
-        cloud && facts(cloud), cloud && rows(cloud),
-        cloud?.noPreview &&
-            h('p', {class: 'note'},
-              `Its points are not shown: ${cloud.noPreview}. The server reads the file itself and may know it.`),
-        h('div', {class: 'row'},
-          fileButton(session, cloud ? 'Another file …' : 'Choose a file …', cloud ? '' : 'primary')),
-        state.samples.length > 0 &&
-            h('div', {class: 'row samples'}, h('span', {class: 'label'}, 'Samples'),
-              ...state.samples.map(
-                  (sample) =>
-                      h('button', {
-                        type: 'button',
-                        class: 'chip',
-                        title: sample.description,
-                        onclick: () => void session.chooseSample(sample)
-                      },
-                        sample.title))));
+        host, h('h2', {}, step, t.cloud.title), dropped.length > 0 && droppedFiles(session, dropped),
+        cloud ? h('p', {class: 'name'}, cloud.name) : h('p', {class: 'hint'}, t.cloud.drop(kFormats)),
+        cloud && facts(cloud), cloud && rows(cloud), said && h('p', {class: 'note'}, said),
+        h('div', {class: 'row'}, fileButton(session, cloud ? t.cloud.another : t.cloud.choose, cloud ? '' : 'primary')),
+        samples.length > 0 &&
+            h('div', {class: 'row samples'}, h('span', {class: 'label'}, t.cloud.samples), ...samples));
+    if (focused) samples.find((sample) => sample.textContent === focused)?.focus();
   };
-  const update = whenChanged(({cloud, samples}) => [cloud, cloud?.data, cloud?.noPreview, samples], show);
+  const update = whenChanged(
+      ({cloud, samples, dropped}) => [cloud, cloud?.data, cloud?.noPreview, cloud?.stored, samples, dropped], show);
   session.onChange(update);
   update(session.state);
 }
@@ -100,7 +135,6 @@ export function acceptDrops(session: Session): void {
   addEventListener('drop', (event) => {
     event.preventDefault();
     over(false);
-    const file = event.dataTransfer?.files[0];
-    if (file) void session.chooseFile(file);
+    void session.chooseFiles([...(event.dataTransfer?.files ?? [])]);
   });
 }

@@ -2,35 +2,46 @@
 // What lies over the canvas: the invitation, the names of the panes, the scale of the colours.
 import type {Session} from '../app/session';
 import type {State} from '../app/state';
+import {legendOf, type ScaleLegend} from '../app/contents';
 import {gradient} from '../view/colormap';
-import {colouringsOf, type ScaleLegend} from '../view/contents';
 import {count, real} from '../words/numbers';
-import {fileButton, kFormats} from './cloud_panel';
+import {t} from '../words/words';
 import {whenChanged} from './changed';
+import {fileButton, kFormats} from './cloud_panel';
 import {fill, h} from './dom';
+import {drawKnot} from './knot';
 
-function invitation(session: Session, state: State): HTMLElement {
+function samplesOf(session: Session, state: State): HTMLElement {
   return h(
-      'div', {class: 'invitation'}, h('p', {class: 'big'}, 'Drop a point cloud'), h('p', {class: 'hint'}, kFormats),
-      h('div', {class: 'row centred'}, fileButton(session, 'Choose a file …', 'primary'),
-        ...state.samples.map(
-            (sample) =>
+      'ul', {class: 'row centred tries'},
+      ...state.samples.map(
+          (sample) =>
+              h('li', {},
                 h('button', {
                   type: 'button',
                   class: 'button',
                   'data-sample': sample.name,
                   onclick: () => void session.chooseSample(sample)
                 },
-                  `Try the ${sample.title.toLowerCase()}`))),
-      h('p', {class: 'hint'}, 'Choose a method, reconstruct, and judge the mesh: nothing leaves this server.'));
+                  t.invitation.try(sample.title)),
+                h('p', {class: 'hint'}, t.invitation.samples[sample.name] ?? sample.description))));
 }
 
-function legendOf(legend: ScaleLegend): HTMLElement {
-  const bar = h('span', {class: 'gradient'});
-  bar.style.background = gradient(legend.scale);
+function invitation(session: Session, state: State): HTMLElement {
+  const picture = h('canvas', {class: 'knot', 'aria-hidden': 'true', width: 360, height: 150});
+  drawKnot(picture);
   return h(
-      'div', {class: 'legend'}, h('span', {}, legend.title),
-      h('div', {class: 'scale number'}, h('span', {}, '0'), bar, h('span', {}, real(legend.upper))));
+      'div', {class: 'invitation'}, picture, h('p', {class: 'big'}, t.invitation.title),
+      h('p', {}, t.invitation.layman), h('div', {class: 'row centred'}, fileButton(session, t.cloud.choose, 'primary')),
+      h('p', {class: 'hint'}, kFormats), samplesOf(session, state), h('p', {class: 'hint'}, t.invitation.local));
+}
+
+function legend({title, lower, upper, scale}: ScaleLegend): HTMLElement {
+  const bar = h('span', {class: 'gradient'});
+  bar.style.background = gradient(scale);
+  return h(
+      'div', {class: 'legend'}, h('span', {}, title),
+      h('div', {class: 'scale number'}, h('span', {}, real(lower)), bar, h('span', {}, real(upper))));
 }
 
 function paneName(state: State, side: 0|1): HTMLElement|null {
@@ -42,28 +53,28 @@ function paneName(state: State, side: 0|1): HTMLElement|null {
       `${title} · ${count(result.report.mesh.triangles)}`);
 }
 
-export function mountOverlay(host: HTMLElement, session: Session): void {
-  const update = whenChanged(
-      ({cloud, results, samples, methods, colour, difference}) =>
-          [cloud, samples, methods, colour, difference, ...results.flatMap((result) => [result, result?.distances])],
-      (state) => {
-        const {legend} = colouringsOf(state);
-        fill(
-            host, !state.cloud && !state.results[0] && invitation(session, state), paneName(state, 0),
-            paneName(state, 1), legend && legendOf(legend), state.results[1] && h('div', {class: 'divider'}));
-      });
-  session.onChange(update);
-  update(session.state);
+/** Without WebGL the results stand beside an empty picture, which says why. */
+function blindness({blind, error}: State): HTMLElement|undefined {
+  if (!blind || error) return undefined;
+  return h('div', {class: 'blind'}, h('strong', {}, t.errors.noWebgl), h('p', {class: 'hint'}, t.errors.noWebglHint));
 }
 
-/** What a screen reader says of the canvas. */
-export function describeView(state: State): string {
-  const [first, second] = state.results;
-  if (!first)
-    return state.cloud?.data ? `${count(state.cloud.data.positions.length / 3)} points of ${state.cloud.name}` :
-                               'Nothing is shown yet';
-  const of = (result: typeof first) =>
-      `mesh of ${count(result.report.mesh.triangles)} triangles by ${result.job.method}`;
-  return second ? `A ${of(first)}, and a ${of(second)} beside it, seen from the same side` :
-                  `A ${of(first)}; arrow keys turn it, plus and minus zoom`;
+export function mountOverlay(host: HTMLElement, session: Session): void {
+  const show = (state: State): void => {
+    const begun = state.cloud !== undefined || state.results[0] !== undefined;
+    // Who has chosen a sample goes on with the button that reconstructs it.
+    const leaves = begun && host.contains(document.activeElement);
+    const scale = legendOf(state);
+    fill(
+        host, !begun && invitation(session, state), begun && blindness(state), paneName(state, 0), paneName(state, 1),
+        scale && legend(scale), state.results[1] && h('div', {class: 'divider'}));
+    if (leaves) document.getElementById('run')?.focus({preventScroll: true});
+  };
+  const update = whenChanged(
+      ({cloud, results, samples, methods, colour, difference, up, blind, error}) =>
+          [cloud, cloud?.data, samples, methods, colour, difference, up, blind, blind && error,
+           ...results.flatMap((result) => [result, result?.distances])],
+      show);
+  session.onChange(update);
+  update(session.state);
 }

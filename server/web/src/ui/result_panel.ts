@@ -7,8 +7,10 @@ import type {Stage} from '../view/stage';
 import {curlLine} from '../words/curl';
 import {count, real, seconds} from '../words/numbers';
 import {reportWords} from '../words/report_words';
+import {t} from '../words/words';
+import {whenChanged} from './changed';
 import {comparisonTable} from './comparison';
-import {fill, h} from './dom';
+import {fill, h, must} from './dom';
 import {histogram, type Bound} from './histogram';
 
 const kWorst = 8;
@@ -27,9 +29,9 @@ const section = (title: string, open: boolean, ...children: (HTMLElement|false|u
 
 function boundsOf(result: Result, ratio: 'shortest_edge_to_circumradius'|'inradius_to_longest_edge'): Bound[] {
   const certified = result.report.certificate?.bounds[ratio].lower ?? 0;
-  const paper: Bound = {value: kPaper[ratio], name: 'paper'};
+  const paper: Bound = {value: kPaper[ratio], name: t.result.paper};
   return certified > 0 && Math.abs(certified - paper.value) > 0.02 * paper.value ?
-      [paper, {value: certified, name: 'here'}] :
+      [paper, {value: certified, name: t.result.here}] :
       [paper];
 }
 
@@ -37,14 +39,13 @@ function histograms(first: Result, second: Result|undefined): HTMLElement {
   const of = (result: Result|undefined) => result?.report.quality;
   const [lR, rL] = [of(first)?.shortest_edge_to_circumradius, of(first)?.inradius_to_longest_edge];
   return section(
-      'Shape of the triangles', true,
+      t.result.shape, true,
       lR ? histogram(
-               'l/R', 'shortest edge over circumradius, best 1.732', lR,
-               of(second)?.shortest_edge_to_circumradius ?? undefined,
+               'l/R', t.result.lR, lR, of(second)?.shortest_edge_to_circumradius ?? undefined,
                boundsOf(first, 'shortest_edge_to_circumradius')) :
            undefined,
       rL ? histogram(
-               'r/L', 'inradius over longest edge, best 0.2887', rL, of(second)?.inradius_to_longest_edge ?? undefined,
+               'r/L', t.result.rL, rL, of(second)?.inradius_to_longest_edge ?? undefined,
                boundsOf(first, 'inradius_to_longest_edge')) :
            undefined);
 }
@@ -66,44 +67,39 @@ function worst(session: Session, result: Result, stage: Stage|undefined): HTMLEl
   const rows = worstOf(result.mesh.shapes.lR, kWorst).map((triangle) => {
     const {lR, rL, angle} = result.mesh.shapes;
     const text = `l/R ${real(lR[triangle])} · r/L ${real(rL[triangle])} · ${real(angle[triangle])}°`;
-    return h(
-        'li', {},
-        h('button',
-          {type: 'button', class: 'link number', onclick: () => stage && flyTo(session, result, triangle, stage)},
-          `#${count(triangle)}`),
-        h('span', {class: 'number'}, text));
+    const fly = () => stage && flyTo(session, result, triangle, stage);
+    const button = h('button', {type: 'button', class: 'link number', onclick: fly}, `#${count(triangle)}`);
+    return h('li', {}, button, h('span', {class: 'number'}, text));
   });
-  return section(
-      'Worst triangles', false, h('p', {class: 'hint'}, 'A click flies there.'), h('ol', {class: 'worst'}, ...rows));
+  return section(t.result.worst, false, h('p', {class: 'hint'}, t.result.flies), h('ol', {class: 'worst'}, ...rows));
 }
 
 async function save(session: Session, path: string, name: string): Promise<void> {
   await session.guard(async () => {
-    session.change({notice: `Fetching ${name} …`});
+    session.change({notice: t.result.fetching(name)});
     const body = await session.api.bytes(path, () => undefined);
     const link = h('a', {href: URL.createObjectURL(new Blob([body])), download: name});
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-    session.change({notice: `${name} is saved.`});
+    session.change({notice: t.result.saved(name)});
   });
 }
 
-function files(session: Session, result: Result): HTMLElement {
-  const stem = (session.state.cloud?.name ?? 'mesh').replace(/\.[^.]*$/, '');
-  const button = (output: string, name: string, text: string) =>
-      h('button', {
-        type: 'button',
-        class: 'chip',
-        'data-output': output,
-        onclick: () => void save(session, `v1/jobs/${result.job.id}/outputs/${output}`, name)
-      },
-        text);
+/** @param suffix tells the files of one result from those of the other. */
+function files(session: Session, {job}: Result, title: string, suffix: string): HTMLElement {
+  const stem = `${(session.state.cloud?.name ?? 'mesh').replace(/\.[^.]*$/, '')}${suffix}`;
+  const button = (output: string, name: string, text: string) => {
+    const get = () => void save(session, `v1/jobs/${job.id}/outputs/${output}`, name);
+    return h('button', {type: 'button', class: 'chip', 'data-output': output, 'data-job': job.id, onclick: get}, text);
+  };
+  const points =
+      job.outputs?.includes('cloud.ply') ? [button('cloud.ply', `${stem}-points.ply`, t.result.pointsFile)] : [];
   return section(
-      'Download', true,
+      title, true,
       h('div', {class: 'row samples'},
-        ...kFiles.map((format) => button(`mesh.${format}`, `${stem}.${format}`, format.toUpperCase())),
-        ...(result.job.outputs?.includes('cloud.ply') ? [button('cloud.ply', `${stem}-points.ply`, 'Points')] : []),
-        button('report.json', `${stem}-report.json`, 'Report'), button('log.txt', `${stem}-log.txt`, 'Log')));
+        ...kFiles.map((format) => button(`mesh.${format}`, `${stem}.${format}`, format.toUpperCase())), ...points,
+        button('report.json', `${stem}-report.json`, t.result.report),
+        button('log.txt', `${stem}-log.txt`, t.result.log)));
 }
 
 function copyable(label: string, text: string, session: Session): HTMLElement {
@@ -112,71 +108,77 @@ function copyable(label: string, text: string, session: Session): HTMLElement {
     box.select();
     try {
       await navigator.clipboard.writeText(text);
-      session.change({notice: `${label}: copied.`});
+      session.change({notice: t.result.copied(label)});
     } catch {
-      session.change({notice: `${label}: selected; copy it with Ctrl+C.`});
+      session.change({notice: t.result.selected(label)});
     }
   };
-  return h(
-      'div', {class: 'copyable'},
-      h('div', {class: 'between'}, h('span', {class: 'label'}, label),
-        h('button', {type: 'button', class: 'button small', onclick: () => void copy()}, 'Copy')),
-      box);
+  const button =
+      h('button',
+        {type: 'button', class: 'button small', 'aria-label': `${t.result.copy}: ${label}`, onclick: () => void copy()},
+        t.result.copy);
+  return h('div', {class: 'copyable'}, h('div', {class: 'between'}, h('span', {class: 'label'}, label), button), box);
 }
 
 function again(session: Session, {job}: Result): HTMLElement {
   const {api, state} = session;
+  const line = curlLine(api.base.href, state.cloud?.name ?? 'cloud.ply', job.method, job.parameters, api.key !== '');
   return section(
-      'Again', false, copyable('Link to this result', location.href, session),
-      copyable(
-          'The same with curl',
-          curlLine(api.base.href, state.cloud?.name ?? 'cloud.ply', job.method, job.parameters, api.key !== ''),
-          session));
+      t.result.again, false, copyable(t.result.link, location.href, session), copyable(t.result.curl, line, session));
 }
 
 function words(result: Result): HTMLElement {
-  return h(
-      'ul', {class: 'words'},
-      ...reportWords(result.report)
-          .map(({mood, text}) => h('li', {class: mood}, h('span', {class: 'visually-hidden'}, `${mood}: `), text)));
+  const items = reportWords(result.report)
+                    .map(
+                        ({mood, text}) =>
+                            h('li', {class: mood}, h('span', {class: 'visually-hidden'}, `${t.report[mood]}: `), text));
+  return h('ul', {class: 'words'}, ...items);
 }
 
+const titleOf = (state: State, {job}: Result): string =>
+    state.methods.find((method) => method.id === job.method)?.title ?? job.method;
+
 function headline(state: State, result: Result): HTMLElement {
-  const title = state.methods.find((method) => method.id === result.job.method)?.title ?? result.job.method;
   const {vertices, triangles} = result.report.mesh;
   const took = result.report.resources ? ` · ${seconds(result.report.resources.wall_seconds)}` : '';
-  return h(
-      'div', {class: 'headline'}, h('h2', {}, title),
-      h('p', {class: 'number'}, `${count(vertices)} vertices · ${count(triangles)} triangles${took}`));
+  const size =
+      `${t.result.vertices(vertices, count(vertices))} · ${t.result.triangles(triangles, count(triangles))}${took}`;
+  return h('div', {class: 'headline'}, h('h2', {}, titleOf(state, result)), h('p', {class: 'number'}, size));
 }
 
 function empty(): HTMLElement[] {
+  return [h('h2', {}, t.result.title), h('p', {class: 'hint'}, t.result.empty)];
+}
+
+function one(session: Session, result: Result, stage: Stage|undefined): HTMLElement[] {
   return [
-    h('h2', {}, 'Result'),
-    h('p', {class: 'hint'},
-      'The report stands here once a cloud is reconstructed: whether the mesh is watertight, how well its triangles are shaped, which points it left out.')
+    headline(session.state, result), words(result), histograms(result, undefined), worst(session, result, stage),
+    files(session, result, t.result.download, ''), again(session, result)
+  ];
+}
+
+function two(session: Session, first: Result, second: Result, stage: Stage|undefined): HTMLElement[] {
+  let titles = [first, second].map((result) => titleOf(session.state, result));
+  if (titles[0] === titles[1])
+    titles = titles.map((title, i) => `${title}, ${i === 0 ? t.result.first : t.result.second}`);
+  return [
+    comparisonTable(titles, first, second, () => session.closeSecond()),
+    ...[first, second].map((result, i) => section(t.result.wordsOf(titles[i]), true, words(result))),
+    histograms(first, second),
+    worst(session, first, stage),
+    ...[first, second].map(
+        (result, i) => files(session, result, t.result.downloadOf(titles[i]), `-${i + 1}-${result.job.method}`)),
+    again(session, first),
   ];
 }
 
 export function mountResultPanel(host: HTMLElement, session: Session, stage: Stage|undefined): void {
-  let shown: State['results']|undefined;
-  session.onChange((state, what) => {
-    if (what !== 'all' || (shown && shown[0] === state.results[0] && shown[1] === state.results[1])) return;
-    shown = state.results;
-    const [first, second] = state.results;
-    if (!first) {
-      fill(host, ...empty());
-      return;
-    }
-    fill(
-        host,
-        ...(second ?
-                [
-                  comparisonTable(state, first, second, () => session.closeSecond()),
-                  section('First in words', true, words(first)), section('Second in words', true, words(second))
-                ] :
-                [headline(state, first), words(first)]),
-        histograms(first, second), worst(session, first, stage), files(session, first), again(session, first));
-  });
+  const show = ({results: [first, second]}: State): void => {
+    document.body.classList.toggle('has-result', first !== undefined);
+    fill(host, ...(!first ? empty() : second ? two(session, first, second, stage) : one(session, first, stage)));
+    // On a telephone the picture may lie above what was pressed.
+    if (first && must('#view').getBoundingClientRect().bottom < 80) must('#view').scrollIntoView({block: 'start'});
+  };
+  session.onChange(whenChanged(({results}) => results, show));
   fill(host, ...empty());
 }

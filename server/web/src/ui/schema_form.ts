@@ -1,19 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A form made of the JSON Schema of a method's parameters. Only what differs from its default is sent.
 import type {Method, ParameterSchema} from '../api/types';
+import {t} from '../words/words';
 import {h} from './dom';
 
-interface Field {
-  row: HTMLElement;
+interface Input {
+  input: HTMLElement;
   value(): unknown;
+}
+
+interface Field extends Input {
+  row: HTMLElement;
 }
 
 export interface SchemaForm {
   element: HTMLElement;
   /** What differs from the defaults. */
   values(): Record<string, unknown>;
-  /** The first field that holds what its schema does not allow; shows why. */
+  /** Whether all fields hold what their schemas allow; shows the first that does not. */
   valid(): boolean;
+  /** Marks a field as wrong until it is changed, and shows it. */
+  mark(name: string): void;
 }
 
 const isNumber = (schema: ParameterSchema): boolean => schema.type === 'integer' || schema.type === 'number';
@@ -32,96 +39,112 @@ function numberInput(id: string, schema: ParameterSchema, value: unknown): HTMLI
 }
 
 function choice(id: string, options: string[], value: unknown): HTMLSelectElement {
-  return h(
-      'select', {id, 'aria-describedby': `${id}-text`},
-      ...options.map((option) => h('option', {value: option, selected: option === value}, option)));
+  const entries = options.map((option) => h('option', {value: option, selected: option === value}, option));
+  return h('select', {id, 'aria-describedby': `${id}-text`}, ...entries);
 }
 
 /** A word, as `auto`, or a number. */
-function wordOrNumber(id: string, words: string[], number: ParameterSchema, otherwise: unknown):
-    {input: HTMLElement; value: () => unknown} {
-  const own = typeof otherwise === 'number';
-  const select = choice(id, [...words, 'a value'], own ? 'a value' : otherwise);
-  const input = numberInput(`${id}-number`, number, own ? otherwise : (number.minimum ?? 1));
-  input.setAttribute('aria-label', 'Value');
+function wordOrNumber(id: string, words: string[], number: ParameterSchema, given: unknown): Input {
+  const own = typeof given === 'number';
+  const select = choice(id, [...words, t.method.value], own ? t.method.value : given);
+  const input = numberInput(`${id}-number`, number, own ? given : (number.minimum ?? 1));
+  input.setAttribute('aria-label', t.method.valueLabel);
   input.hidden = !own;
   input.disabled = !own;
   select.addEventListener('change', () => {
-    input.hidden = select.value !== 'a value';
+    input.hidden = select.value !== t.method.value;
     input.disabled = input.hidden;
   });
-  return {
-    input: h('span', {class: 'pair'}, select, input),
-    value: () => (select.value === 'a value' ? Number(input.value) : select.value)
-  };
+  const value = () => (select.value === t.method.value ? Number(input.value) : select.value);
+  return {input: h('span', {class: 'pair'}, select, input), value};
 }
 
-function inputOf(id: string, schema: ParameterSchema): {input: HTMLElement; value: () => unknown} {
+function inputOf(id: string, schema: ParameterSchema, given: unknown): Input {
   const number = schema.oneOf?.find(isNumber);
   const words =
       (schema.oneOf ?? []).flatMap((each) => each.enum ?? (typeof each.const === 'string' ? [each.const] : []));
-  if (number && words.length > 0) return wordOrNumber(id, words, number, schema.default);
+  if (number && words.length > 0) return wordOrNumber(id, words, number, given);
   if (schema.enum) {
-    const select = choice(id, schema.enum, schema.default);
+    const select = choice(id, schema.enum, given);
     return {input: select, value: () => select.value};
   }
   if (schema.type === 'boolean') {
-    const box = h('input', {id, type: 'checkbox', checked: schema.default === true});
+    const box = h('input', {id, type: 'checkbox', checked: given === true});
     return {input: box, value: () => box.checked};
   }
   if (isNumber(schema)) {
-    const input = numberInput(id, schema, schema.default ?? 0);
+    const input = numberInput(id, schema, given ?? 0);
     return {input, value: () => Number(input.value)};
   }
-  const text = h('input', {id, type: 'text', value: String(schema.default ?? '')});
+  const text = h('input', {id, type: 'text', value: String(given ?? '')});
   return {input: text, value: () => text.value};
 }
 
-function fieldOf(prefix: string, name: string, schema: ParameterSchema): Field {
+function fieldOf(prefix: string, name: string, schema: ParameterSchema, given: unknown): Field {
   const id = `${prefix}-${name}`;
-  const {input, value} = inputOf(id, schema);
+  const {input, value} = inputOf(id, schema, given);
   const unit = schema['x-unit'] && schema['x-unit'] !== '1' ? ` [${schema['x-unit']}]` : '';
-  const row =
-      h('div', {class: 'field'},
-        h('label',
-          { for: id
-          },
-          schema.title ?? name, h('span', {class: 'unit'}, unit)),
-        input, h('p', {id: `${id}-text`, class: 'hint'}, h('code', {}, name), ` — ${schema.description ?? ''}`));
-  return {row, value};
+  const label = h('label', {'for': id}, schema.title ?? name, h('span', {class: 'unit'}, unit));
+  const text = h('p', {id: `${id}-text`, class: 'hint'}, h('code', {}, name), ` — ${schema.description ?? ''}`);
+  return {
+    row: h('div', {class: schema.type === 'boolean' ? 'field check' : 'field'}, label, input, text),
+    input,
+    value
+  };
 }
 
 /** Parameters that every method has are about what comes before and after it. */
 export function sharedNames(methods: Method[]): Set<string> {
   const [first, ...others] = methods;
   const names = Object.keys(first?.parameters.properties ?? {});
-  return new Set(
-      others.length === 0 ? [] :
-                            names.filter((name) => others.every((method) => name in method.parameters.properties)));
+  const inAll = (name: string): boolean => others.every((method) => name in method.parameters.properties);
+  return new Set(others.length === 0 ? [] : names.filter(inAll));
 }
 
-export function schemaForm(prefix: string, method: Method, shared: Set<string>): SchemaForm {
-  const entries = Object.entries(method.parameters.properties);
-  const fields = new Map(entries.map(([name, schema]) => [name, fieldOf(prefix, name, schema)]));
-  const group = (title: string, names: string[]): HTMLElement|null => {
-    if (names.length === 0) return null;
-    const rows = names.map((name) => fields.get(name)?.row);
+function showField(row: HTMLElement): void {
+  row.closest('details')?.setAttribute('open', '');
+  row.scrollIntoView({block: 'center'});
+}
+
+/** @param given what the fields say at first; the others say their defaults. */
+export function schemaForm(
+    prefix: string, method: Method, shared: Set<string>, given: Record<string, unknown>): SchemaForm {
+  const {properties} = method.parameters;
+  const names = Object.keys(properties);
+  const fields = new Map(
+      names.map((name) => [name, fieldOf(prefix, name, properties[name], given[name] ?? properties[name].default)]));
+  const group = (title: string, members: string[]): HTMLElement|null => {
+    if (members.length === 0) return null;
+    const set = members.filter((name) => given[name] !== undefined && given[name] !== properties[name].default).length;
+    const tally = h('span', {class: 'tally'}, String(members.length), set > 0 ? ` · ${t.method.changed(set)}` : '');
     return h(
-        'details', {class: 'group'}, h('summary', {}, title, h('span', {class: 'tally'}, String(names.length))),
-        ...rows);
+        'details', {class: 'group'}, h('summary', {}, title, tally), ...members.map((name) => fields.get(name)?.row));
   };
-  const names = [...fields.keys()];
-  const element = h(
-      'div', {class: 'schema-form'}, group(`Parameters of ${method.title}`, names.filter((name) => !shared.has(name))),
-      group('Preparing and output', names.filter((name) => shared.has(name))));
+  const element =
+      h('div', {class: 'schema-form'},
+        group(t.method.parameters(method.title), names.filter((name) => !shared.has(name))),
+        group(t.method.shared, names.filter((name) => shared.has(name))));
   const values = (): Record<string, unknown> =>
-      Object.fromEntries(entries.map(([name]) => [name, fields.get(name)?.value()] as const)
-                             .filter(([name, value]) => value !== method.parameters.properties[name].default));
+      Object.fromEntries(names.map((name) => [name, fields.get(name)?.value()] as const)
+                             .filter(([name, value]) => value !== properties[name].default));
   const valid = (): boolean => {
     const wrong = [...element.querySelectorAll('input')].find((input) => !input.disabled && !input.validity.valid);
     wrong?.closest('details')?.setAttribute('open', '');
     wrong?.reportValidity();
     return wrong === undefined;
   };
-  return {element, values, valid};
+  const mark = (name: string): void => {
+    const field = fields.get(name);
+    if (!field) return;
+    const input = field.input.matches('input, select') ? field.input : field.input.querySelector('select');
+    input?.setAttribute('aria-invalid', 'true');
+    field.row.classList.add('wrong');
+    field.row.addEventListener('change', () => {
+      input?.removeAttribute('aria-invalid');
+      field.row.classList.remove('wrong');
+    }, {once: true});
+    showField(field.row);
+    input?.focus({preventScroll: true});
+  };
+  return {element, values, valid, mark};
 }

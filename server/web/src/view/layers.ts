@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The objects of one pane: a cloud, a mesh over it, and what is marked on them.
-import {BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Points, type LineBasicMaterial, type Object3D, type Plane} from 'three';
+import {BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Points, type Object3D, type Plane, type PointsMaterial} from 'three';
 import type {LoadedCloud, LoadedMesh, UnusedPoints} from '../worker/protocol';
 import {coloursOf, type ScaleName} from './colormap';
 import {lineMaterial, pointsMaterial, surfaceMaterial, type Palette} from './materials';
@@ -11,6 +11,8 @@ export interface Look {
   wireframe: boolean;
   smooth: boolean;
   marks: boolean;
+  /** Shading by depth. */
+  shade: boolean;
 }
 
 /** Values to colour the surface by, one a triangle. */
@@ -26,7 +28,11 @@ export interface Content {
   /** Nothing of its inside can be seen. */
   solid?: boolean;
   cloud?: LoadedCloud|undefined;
+  /** Red, green, blue of each point, in sRGB. */
+  pointColours?: Uint8Array|undefined;
   mesh?: LoadedMesh|undefined;
+  /** Red, green, blue of each vertex, in sRGB. */
+  vertexColours?: Uint8Array|undefined;
   wireframe?: Uint32Array|undefined;
   unused?: UnusedPoints|undefined;
   colouring?: Colouring|undefined;
@@ -58,21 +64,68 @@ function separated(mesh: LoadedMesh, colours: Uint8Array): BufferGeometry {
   return geometry;
 }
 
+/** How everything of one picture is drawn. */
+export interface Setting {
+  look: Look;
+  palette: Palette;
+  planes: Plane[];
+  /** Of the picture: taken from everything in it. */
+  origin: Place;
+}
+
+type Place = [number, number, number];
+
+/** Order of drawing: lines over surfaces, marks over both. */
+enum Order {
+  body,
+  wireframe,
+  edges,
+  marks,
+  pointed
+}
+
+/** Pixels of a mark. */
+const kMark = 6;
+/** Of the distance of points on a surface of the size of the box, so that neighbours nearly touch. */
+const kPointShare = 1.1;
+
+/** The size of a point where the diagonal of the cloud has the length 2. */
+function sizeOfPoint(positions: Float32Array): number {
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < positions.length; i += 1) {
+    low[i % 3] = Math.min(low[i % 3], positions[i]);
+    high[i % 3] = Math.max(high[i % 3], positions[i]);
+  }
+  const [x, y, z] = high.map((value, axis) => value - low[axis]);
+  const area = 2 * (x * y + y * z + z * x);
+  return (kPointShare * 2 * Math.sqrt(area / (positions.length / 3))) / (Math.hypot(x, y, z) || 1);
+}
+
 export class Layers {
   readonly group = new Group();
   private fine: Object3D[] = [];
   private coarse: Object3D|undefined;
 
   /** Builds everything anew; what was there is disposed of. */
-  show(content: Content, look: Look, palette: Palette, planes: Plane[], origin: [number, number, number]): void {
+  show(content: Content, setting: Setting): void {
     this.dispose();
-    const {cloud, mesh} = content;
-    if (cloud && look.points)
-      this.addPoints(cloud.positions, cloud.origin, origin, palette.point, mesh ? 2.5 : 2, planes);
-    if (mesh) this.addMesh(mesh, content, look, palette, planes, origin);
-    if (cloud && content.unused && look.marks) {
-      this.addPoints(content.unused.outside, cloud.origin, origin, palette.unused, 6, planes, true);
-      this.addPoints(content.unused.interior, cloud.origin, origin, palette.interior, 6, planes, true);
+    const {cloud, mesh, unused, pointColours} = content;
+    const {look, palette, origin} = setting;
+    if (cloud && look.points) {
+      const size = sizeOfPoint(cloud.positions);
+      const material =
+          pointsMaterial({color: pointColours ? undefined : palette.point, size, inSpace: true}, setting.planes);
+      this.addPoints(cloud.positions, material, cloud.origin, setting, pointColours);
+    }
+    if (mesh) this.addMesh(mesh, content, setting);
+    if (content.pointed) this.addPointed(content.pointed, (mesh ?? cloud)?.origin ?? origin, setting);
+    if (!cloud || !unused || !look.marks) return;
+    for (const [points, color] of [[unused.outside, palette.unused], [unused.interior, palette.interior]] as const) {
+      const material = pointsMaterial({color, size: kMark, inSpace: false}, setting.planes);
+      // Marks inside a closed surface would be seen by nobody.
+      material.depthTest = false;
+      this.addPoints(points, material, cloud.origin, setting);
     }
   }
 
@@ -83,11 +136,7 @@ export class Layers {
     for (const object of this.fine) object.visible = !on;
   }
 
-  get heavy(): boolean {
-    return this.coarse !== undefined;
-  }
-
-  private place(object: Object3D, from: [number, number, number], origin: [number, number, number], order = 0): void {
+  private place(object: Object3D, from: Place, {origin}: Setting, order = Order.body): void {
     object.position.set(from[0] - origin[0], from[1] - origin[1], from[2] - origin[2]);
     object.renderOrder = order;
     object.frustumCulled = false;
@@ -95,59 +144,61 @@ export class Layers {
   }
 
   private addPoints(
-      positions: Float32Array, from: [number, number, number], origin: [number, number, number],
-      color: Palette['point'], size: number, planes: Plane[], front = false): void {
+      positions: Float32Array, material: PointsMaterial, from: Place, setting: Setting, colours?: Uint8Array): void {
     if (positions.length === 0) return;
-    const material = pointsMaterial(color, size, planes);
-    // Marks inside a closed surface would be seen by nobody.
-    material.depthTest = !front;
-    this.place(new Points(geometryOf(attribute(positions)), material), from, origin, front ? 3 : 0);
+    const geometry = geometryOf(attribute(positions));
+    if (colours) geometry.setAttribute('color', new BufferAttribute(colours, 3, true));
+    this.place(new Points(geometry, material), from, setting, material.depthTest ? Order.body : Order.marks);
   }
 
-  private addMesh(mesh: LoadedMesh, content: Content, look: Look, palette: Palette, planes: Plane[], origin: [
-    number, number, number
-  ]): void {
+  private addPointed(segments: Float32Array, from: Place, setting: Setting): void {
+    const material = lineMaterial(setting.palette.mark, 1, []);
+    material.depthTest = false;
+    this.place(new LineSegments(geometryOf(attribute(segments)), material), from, setting, Order.pointed);
+  }
+
+  private addMesh(mesh: LoadedMesh, content: Content, setting: Setting): void {
+    const {look, palette, planes} = setting;
     const positions = attribute(mesh.positions);
-    const {colouring} = content;
-    if (look.surface) {
-      const surface = new Mesh(
-          this.surfaceGeometry(mesh, positions, colouring, look.smooth),
-          surfaceMaterial(palette, look.smooth && !colouring, colouring !== undefined, content.solid === true, planes));
-      this.place(surface, mesh.origin, origin);
-      this.fine = [surface];
-    }
+    if (look.surface) this.addSurface(mesh, positions, content, setting);
     if (look.wireframe && content.wireframe) {
-      const lines = new LineSegments(
-          geometryOf(positions, content.wireframe), lineMaterial(palette.edge, look.surface ? 0.35 : 0.8, planes));
-      this.place(lines, mesh.origin, origin, 1);
+      const material = lineMaterial(palette.edge, look.surface ? 0.35 : 0.8, planes);
+      const lines = new LineSegments(geometryOf(positions, content.wireframe), material);
+      this.place(lines, mesh.origin, setting, Order.wireframe);
       this.fine.push(lines);
     }
-    if (mesh.coarse && look.surface) {
-      this.coarse = new Mesh(
-          geometryOf(positions, mesh.coarse), surfaceMaterial(palette, false, false, content.solid === true, planes));
-      this.coarse.visible = false;
-      this.place(this.coarse, mesh.origin, origin);
-    }
-    if (content.pointed) {
-      const outline = new LineSegments(geometryOf(attribute(content.pointed)), lineMaterial(palette.mark, 1, []));
-      (outline.material as LineBasicMaterial).depthTest = false;
-      this.place(outline, mesh.origin, origin, 4);
-    }
     if (!look.marks) return;
-    for (const [edges, color] of [
-             [mesh.edges.boundary, palette.boundary], [mesh.edges.nonManifold, palette.nonManifold]] as const) {
-      if (edges.length > 0)
-        this.place(
-            new LineSegments(geometryOf(positions, edges), lineMaterial(color, 1, planes)), mesh.origin, origin, 2);
+    const {boundary, nonManifold} = mesh.edges;
+    for (const [edges, color] of [[boundary, palette.boundary], [nonManifold, palette.nonManifold]] as const) {
+      if (edges.length === 0) continue;
+      const lines = new LineSegments(geometryOf(positions, edges), lineMaterial(color, 1, planes));
+      this.place(lines, mesh.origin, setting, Order.edges);
     }
   }
 
-  private surfaceGeometry(
-      mesh: LoadedMesh, positions: BufferAttribute, colouring: Colouring|undefined, smooth: boolean): BufferGeometry {
-    if (colouring) return separated(mesh, coloursOf(colouring.values, colouring.upper, colouring.scale));
-    const geometry = geometryOf(positions, mesh.index);
-    if (smooth) geometry.computeVertexNormals();
-    return geometry;
+  private addSurface(mesh: LoadedMesh, positions: BufferAttribute, content: Content, setting: Setting): void {
+    const {look: {smooth}, palette, planes} = setting;
+    const {colouring, vertexColours} = content;
+    const solid = content.solid === true;
+    const coloured = vertexColours !== undefined;
+    const withColours = (geometry: BufferGeometry): BufferGeometry => {
+      if (vertexColours) geometry.setAttribute('color', new BufferAttribute(vertexColours, 3, true));
+      return geometry;
+    };
+    const surface = new Mesh(
+        colouring ? separated(mesh, coloursOf(colouring.values, colouring.upper, colouring.scale)) :
+                    withColours(geometryOf(positions, mesh.index)),
+        surfaceMaterial(
+            palette, {smooth: smooth && !colouring, coloured: coloured || colouring !== undefined, solid}, planes));
+    if (smooth && !colouring) surface.geometry.computeVertexNormals();
+    this.place(surface, mesh.origin, setting);
+    this.fine = [surface];
+    if (!mesh.coarse) return;
+    this.coarse = new Mesh(
+        withColours(geometryOf(positions, mesh.coarse)),
+        surfaceMaterial(palette, {smooth: false, coloured, solid}, planes));
+    this.coarse.visible = false;
+    this.place(this.coarse, mesh.origin, setting);
   }
 
   dispose(): void {

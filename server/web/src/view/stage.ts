@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The canvas: one or two panes under one camera, drawn only when something has changed.
-import {AmbientLight, Box3, Color, DirectionalLight, Group, PerspectiveCamera, Plane, Scene, Vector3, WebGLRenderer} from 'three';
+import {Box3, Color, DirectionalLight, Group, HemisphereLight, Matrix4, PerspectiveCamera, Plane, Scene, Vector2, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Layers, type Content, type Look} from './layers';
 import {palettes, type Palette} from './materials';
+import {pickPoint, pickTriangle, type Picked} from './picking';
+import {DepthShading} from './shading';
 
 export interface Clip {
   axis: 'none'|'x'|'y'|'z';
@@ -14,11 +16,14 @@ export interface Clip {
 
 /** Drawing rests this long after the camera has stopped before the whole mesh is drawn again. */
 const kRest = 180;
+/** A machine that takes longer for the shaded picture, in milliseconds, draws the next ones without. */
+const kSlow = 700;
 
 interface Pane {
   scene: Scene;
   root: Group;
   layers: Layers;
+  content: Content;
 }
 
 /** What draws without a graphics card is told by its name. */
@@ -40,18 +45,29 @@ export class Stage {
   private palette: Palette = palettes.light;
   private origin: [number, number, number] = [0, 0, 0];
   private readonly box = new Box3();
+  private readonly shading: DepthShading;
+  private readonly software: boolean;
+  private shaded = true;
+  private slowFrames = 0;
+  private planes: Plane[] = [];
   private waiting = 0;
   private resting = 0;
   private moving = false;
   /** Told after each frame; for measuring. */
   onFrame: ((milliseconds: number) => void)|undefined;
+  /** Told after each frame, too: where the camera is may have changed. */
+  onView: (() => void)|undefined;
+  /** Told when the machine is too slow for shading. */
+  onSlow: (() => void)|undefined;
 
   constructor(readonly canvas: HTMLCanvasElement) {
     const software = drawsInSoftware();
+    this.software = software;
     this.renderer = new WebGLRenderer({canvas, antialias: !software, powerPreference: 'high-performance'});
     this.renderer.setPixelRatio(software ? 1 : Math.min(devicePixelRatio, 2));
     this.renderer.autoClear = false;
     this.renderer.localClippingEnabled = true;
+    this.shading = new DepthShading(this.renderer, software ? 0 : 4);
     this.camera.position.set(1.3, 0.8, 2.4);
     this.controls = this.newControls();
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -60,14 +76,18 @@ export class Stage {
 
   setPanes(contents: Content[], look: Look, clip: Clip, theme: 'light'|'dark'): void {
     this.palette = palettes[theme];
+    this.shaded = look.shade;
     while (this.panes.length > contents.length) this.panes.pop()?.layers.dispose();
     while (this.panes.length < contents.length) this.panes.push(this.newPane());
     const first = contents.find((content) => content.mesh ?? content.cloud);
     this.origin = first?.mesh?.origin ?? first?.cloud?.origin ?? [0, 0, 0];
-    const planes = clip.axis === 'none' ? [] : [this.plane];
+    this.planes = clip.axis === 'none' ? [] : [this.plane];
+    const setting = {look, palette: this.palette, planes: this.planes, origin: this.origin};
     contents.forEach((content, i) => {
-      this.panes[i].scene.background = new Color(this.palette.background);
-      this.panes[i].layers.show(content, look, this.palette, planes, this.origin);
+      const pane = this.panes[i];
+      pane.content = content;
+      pane.scene.background = new Color(this.palette.background);
+      pane.layers.show(content, setting);
     });
     this.normalise(contents);
     this.setClip(clip);
@@ -123,6 +143,18 @@ export class Stage {
     this.draw();
   }
 
+  /** A small picture of what is shown now. */
+  snapshot(): string {
+    const small = document.createElement('canvas');
+    [small.width, small.height] = [128, 96];
+    const {width, height} = this.canvas;
+    const side = Math.min(width / 4, height / 3);
+    this.drawNow();
+    small.getContext('2d')?.drawImage(
+        this.canvas, (width - 4 * side) / 2, (height - 3 * side) / 2, 4 * side, 3 * side, 0, 0, 128, 96);
+    return small.toDataURL('image/jpeg', 0.8);
+  }
+
   private newControls(): OrbitControls {
     const controls = new OrbitControls(this.camera, this.canvas);
     controls.addEventListener('change', () => this.moved());
@@ -143,6 +175,48 @@ export class Stage {
     this.draw();
   }
 
+  /** Looks along an axis, from its positive end or its negative one. */
+  lookAlong(axis: 'x'|'y'|'z', positive: boolean): void {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const direction = new Vector3();
+    direction[axis] = positive ? 1 : -1;
+    // Along up itself the controls could not tell which way is up on the screen.
+    if (Math.abs(direction.dot(this.camera.up)) > 0.99)
+      direction.add(this.camera.up.z === 1 ? new Vector3(0, -1e-3, 0) : new Vector3(0, 0, 1e-3));
+    this.camera.position.copy(this.controls.target).add(direction.setLength(distance));
+    this.controls.update();
+    this.draw();
+  }
+
+  /** The axes on the screen: right, up and towards the eye, each -1 to 1. */
+  axesOnScreen(): Record<'x'|'y'|'z', Vector3> {
+    const turned = this.camera.quaternion.clone().invert();
+    const of = (x: number, y: number, z: number) => new Vector3(x, y, z).applyQuaternion(turned);
+    return {x: of(1, 0, 0), y: of(0, 1, 0), z: of(0, 0, 1)};
+  }
+
+  /** So long in the units of the file is a pixel where the camera looks; 0 if nothing is shown. */
+  unitsOfPixel(): number {
+    if (this.box.isEmpty() || !this.panes[0]) return 0;
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const height = 2 * Math.tan((this.camera.fov * Math.PI) / 360) * distance;
+    return height / Math.max(1, this.canvas.clientHeight) / this.panes[0].root.scale.x;
+  }
+
+  /** What is under a place of the canvas, in the first pane; its coordinates are those of the file. */
+  pick(x: number, y: number): Picked|undefined {
+    const pixels = new Vector2(this.canvas.clientWidth / Math.max(1, this.panes.length), this.canvas.clientHeight);
+    const pane = this.panes[0];
+    if (!pane || x > pixels.x) return undefined;
+    const at = new Vector2((2 * x) / pixels.x - 1, 1 - (2 * y) / pixels.y);
+    const {cloud, mesh} = pane.content;
+    if (mesh) return pickTriangle(pane.layers.group, this.camera, at, this.planes);
+    if (!cloud) return undefined;
+    const offset = cloud.origin.map((value, k) => value - this.origin[k]) as [number, number, number];
+    const matrix = pane.root.matrixWorld.clone().multiply(new Matrix4().makeTranslation(...offset));
+    return pickPoint(cloud.positions, matrix, this.camera, at, pixels, this.planes);
+  }
+
   orbit(right: number, up: number): void {
     const offset = this.camera.position.clone().sub(this.controls.target);
     offset.applyAxisAngle(this.camera.up, -right);
@@ -161,11 +235,11 @@ export class Stage {
   }
 
   private newPane(): Pane {
-    const pane: Pane = {scene: new Scene(), root: new Group(), layers: new Layers()};
+    const pane: Pane = {scene: new Scene(), root: new Group(), layers: new Layers(), content: {}};
     pane.root.add(pane.layers.group);
     // The lights go with the camera; layers of the scene graph are cheap enough to have them twice.
-    const key = new DirectionalLight('#ffffff', 2.1);
-    pane.scene.add(pane.root, new AmbientLight('#dfe9f2', 0.75), key, key.target);
+    const key = new DirectionalLight('#ffffff', 1.9);
+    pane.scene.add(pane.root, new HemisphereLight('#eef4fa', '#b9a892', 0.95), key, key.target);
     pane.scene.userData.key = key;
     return pane;
   }
@@ -204,6 +278,16 @@ export class Stage {
     if (width < 1 || height < 1) return;
     this.camera.aspect = width / height;
     this.updateDepth();
+    // Without a card the picture is shaded once it rests.
+    if (this.shaded && !(this.software && this.moving))
+      this.drawShaded(width, height);
+    else
+      this.drawPanes(width, height);
+    this.onFrame?.(performance.now() - began);
+    this.onView?.();
+  }
+
+  private drawPanes(width: number, height: number): void {
     this.renderer.setScissorTest(true);
     this.panes.forEach(({scene}, i) => {
       this.light(scene.userData.key as DirectionalLight);
@@ -212,7 +296,19 @@ export class Stage {
       this.renderer.clear();
       this.renderer.render(scene, this.camera);
     });
-    this.onFrame?.(performance.now() - began);
+  }
+
+  private drawShaded(width: number, height: number): void {
+    const began = performance.now();
+    this.shading.render(this.camera, () => this.drawPanes(width, height));
+    if (!this.software) return;
+    // To read a pixel waits for the picture.
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    if (performance.now() - began < kSlow)
+      this.slowFrames = 0;
+    else if (++this.slowFrames > 1)
+      this.onSlow?.();
   }
 
   private updateDepth(): void {

@@ -3,10 +3,12 @@
 import type {CloudData} from '../clouds/cloud_data';
 import {openGlb, readPrimitive} from '../clouds/gltf';
 import {readCloud} from '../clouds/read_cloud';
+import {writePly} from '../clouds/write_ply';
 import {distancesOfTriangles, encloses, shiftBetween, toSurface, treeOf} from '../geometry/compare';
 import {edgesOf} from '../geometry/edges';
 import type {MeshData} from '../geometry/mesh_data';
 import {diagonalOf, distancesTo, NearestPoints} from '../geometry/nearest';
+import {isHeightField} from '../geometry/relief';
 import {shapesOf} from '../geometry/quality';
 import {simplified} from '../geometry/simplify';
 import type {Answer, GeometryCalls, Question} from './protocol';
@@ -18,7 +20,7 @@ const kCoarse = 20_000;
 const kRounding = 2 ** -20;
 
 const clouds = new Map<number, CloudData>();
-const meshes = new Map<number, MeshData>();
+const meshes = new Map<number, MeshData&{colours?: Uint8Array | undefined}>();
 let handles = 0;
 
 function held<T>(all: Map<number, T>, handle: number): T {
@@ -27,21 +29,22 @@ function held<T>(all: Map<number, T>, handle: number): T {
   return found;
 }
 
-async function meshOf(glb: ArrayBuffer): Promise<MeshData> {
+async function meshOf(glb: ArrayBuffer): Promise<MeshData&{colours?: Uint8Array | undefined}> {
   const {json, buffer} = openGlb(new Uint8Array(glb));
   const primitive = json.meshes?.[0]?.primitives[0];
   if (!primitive) throw new Error('the GLB holds no mesh');
-  const {positions, index} = await readPrimitive(json, buffer, primitive);
+  const {positions, index, colours} = await readPrimitive(json, buffer, primitive);
   if (!index) throw new Error('the mesh has no triangles');
   const origin = json.nodes?.find((node) => node.mesh === 0)?.extras?.origin ?? [0, 0, 0];
-  return {positions, index, origin};
+  return {positions, index, origin, colours};
 }
 
 const calls: GeometryCalls = {
   async loadCloud(bytes, table) {
     const cloud = await readCloud(new Uint8Array(bytes), table);
     clouds.set(++handles, cloud);
-    return {...cloud, handle: handles};
+    const zUp = cloud.format === 'LAS' || isHeightField(cloud.positions);
+    return {...cloud, handle: handles, zUp};
   },
   async loadMesh(glb) {
     const mesh = await meshOf(glb);
@@ -79,6 +82,7 @@ const calls: GeometryCalls = {
       second: distancesOfTriangles(b, shiftBetween(b.origin, a.origin), toSurface(treeOf(a))),
     });
   },
+  cropped: (cloud, box) => Promise.resolve(writePly(held(clouds, cloud), box)),
   forget(handle) {
     clouds.delete(handle);
     meshes.delete(handle);
