@@ -5,19 +5,14 @@ import {readdirSync, readFileSync} from 'node:fs';
 import path from 'node:path';
 import {after, before, test} from 'node:test';
 
-import {dropFile, facts, openPage, source, startBrowser, startServer} from './support.mjs';
+import {browser, dropFile, facts, openPage, serveAndBrowse, server, source} from './support.mjs';
 
-let server;
-let browser;
+serveAndBrowse();
 let page;
 before(async () => {
-  [server, browser] = await Promise.all([startServer(), startBrowser()]);
   page = await openPage(browser, server.base);
 });
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+after(() => page?.context().close());
 
 /** Some of the clouds that the fuzz tests start from: every format, and of PLY and text every kind. */
 const seeds = ['ply', 'text', 'pcd', 'las', 'obj', 'stl', 'gltf', 'draco'].flatMap((format) => {
@@ -41,8 +36,9 @@ async function serverSays(bytes) {
 
 test('the page counts and measures the points of every format as the server does', async () => {
   assert.ok(seeds.length > 25, `${seeds.length}`);
-  for (const {format, name, bytes} of seeds) {
-    const cloud = await serverSays(bytes);
+  const clouds = await Promise.all(seeds.map(({bytes}) => serverSays(bytes)));
+  for (const [i, {format, name, bytes}] of seeds.entries()) {
+    const cloud = clouds[i];
     await dropFile(page, `${format}-${name}`, bytes);
     await page.waitForFunction(
         () => document.querySelectorAll('.facts dd').length === 4 ||

@@ -2,16 +2,12 @@
 // How the daemon serves the page: no browser needed.
 import assert from 'node:assert/strict';
 import http from 'node:http';
-import {after, before, test} from 'node:test';
+import {test} from 'node:test';
 import {gunzipSync} from 'node:zlib';
 
 import {knot, startServer} from './support.mjs';
 
-let server;
-before(async () => {
-  server = await startServer();
-});
-after(() => server?.stop());
+serveAndBrowse();
 
 /** As it comes over the wire. */
 function get(target, headers = {}) {
@@ -31,12 +27,12 @@ const browser = {
 };
 
 test('a browser gets the page at the root, curl and clients of JSON the links', async () => {
-  const page = await get('/', browser);
+  const page = await get('/', asBrowser);
   assert.equal(page.headers['content-type'], 'text/html; charset=utf-8');
   assert.match(page.headers.vary, /Accept, Accept-Encoding/);
   assert.match(page.headers['content-security-policy'], /default-src 'none'.*frame-ancestors 'none'/);
   assert.equal(page.headers['cache-control'], 'no-cache');
-  assert.equal((await get('/', {...browser, 'if-none-match': page.headers.etag})).status, 304);
+  assert.equal((await get('/', {...asBrowser, 'if-none-match': page.headers.etag})).status, 304);
   for (const headers
            of [{}, {accept: '*/*'}, {accept: 'application/json'}, {accept: 'text/html;q=0.5, application/json'}]) {
     const links = await get('/', headers);
@@ -46,12 +42,12 @@ test('a browser gets the page at the root, curl and clients of JSON the links', 
 });
 
 test('what the page needs is served compressed, and for ever; its sizes are bounded', async () => {
-  const html = gunzipSync((await get('/', browser)).body).toString();
+  const html = gunzipSync((await get('/', asBrowser)).body).toString();
   const names = [...html.matchAll(/(?:src|href)="\.\/(assets\/[^"]+)"/g)].map((found) => `/${found[1]}`);
   assert.ok(names.length >= 3, html);
   let bundle = 0;
   for (const name of names) {
-    const packed = await get(name, browser);
+    const packed = await get(name, asBrowser);
     const plain = await get(name);
     assert.equal(packed.status, 200);
     assert.match(packed.headers['cache-control'], /immutable/);
@@ -60,13 +56,13 @@ test('what the page needs is served compressed, and for ever; its sizes are boun
     assert.ok(unpacked.equals(plain.body), `${name}: both forms are the same`);
     assert.notEqual(
         packed.headers['content-encoding'] && packed.headers.etag, plain.headers.etag, 'but not under the same tag');
-    assert.equal((await get(name, {...browser, 'if-none-match': packed.headers.etag})).status, 304);
+    assert.equal((await get(name, {...asBrowser, 'if-none-match': packed.headers.etag})).status, 304);
     assert.equal((await get(name, {'accept-encoding': 'gzip;q=0'})).headers['content-encoding'], undefined);
     bundle += packed.body.length;
     const worker = /assets\/geometry_worker-[\w-]+\.js|geometry_worker-[\w-]+\.js/.exec(unpacked.toString());
-    if (worker) bundle += (await get(`/assets/${worker[0].split('/').at(-1)}`, browser)).body.length;
+    if (worker) bundle += (await get(`/assets/${worker[0].split('/').at(-1)}`, asBrowser)).body.length;
   }
-  assert.ok(bundle > 100e3 && bundle < 1.5e6, `${bundle} bytes gzipped`);
+  assert.ok(bundle > 100e3 && bundle < 350 * 1024, `${bundle} bytes gzipped`);
 });
 
 test('samples, licences, and nothing beside them', async () => {

@@ -54,8 +54,11 @@ export function startBrowser(flags = ['--use-angle=swiftshader', '--enable-unsaf
 
 export let server;
 export let browser;
-/** One server and one browser for all tests of a file. */
+let shared = false;
+/** One server and one browser for all tests of a process, whatever their files. */
 export function serveAndBrowse() {
+  if (shared) return;
+  shared = true;
   before(async () => {
     [server, browser] = await Promise.all([startServer(), startBrowser()]);
   });
@@ -96,42 +99,51 @@ export async function dropFile(page, name, bytes) {
   await page.waitForFunction((name) => document.querySelector('#setup .name')?.textContent === name, name);
 }
 
+/** Waits until the points are there. */
+export const pointsShown = (page) => page.waitForFunction(() => document.querySelectorAll('.facts dd').length === 4);
+
+/** Waits for the mesh, and not for one that is there already. */
 export async function reconstruct(page, method) {
   if (method) await page.selectOption('#method', method);
+  await page.evaluate(() => document.querySelector('.headline')?.classList.replace('headline', 'earlier'));
   await page.click('#run');
   await page.waitForSelector('.headline');
 }
 
 export const facts = (page) => page.$$eval('.facts dd', (items) => items.map((item) => item.textContent));
 
-/** Waits until nothing has been drawn for a while: what moved has come to rest, and large meshes are whole again. */
+/** Waits until everything is drawn: what moved has come to rest, and large meshes are whole again. */
 export const settled = (page) => page.evaluate(() => new Promise((resolve) => {
                                                  const stage = window.surfacedStage;
-                                                 let timer = 0;
-                                                 const rest = () =>
-                                                     requestAnimationFrame(() => requestAnimationFrame(resolve));
-                                                 stage.onFrame = () => {
-                                                   clearTimeout(timer);
-                                                   timer = setTimeout(rest, 700);
+                                                 let still = 0;
+                                                 const next = () => {
+                                                   still = stage.busy ? 0 : still + 1;
+                                                   if (still > 2)
+                                                     resolve();
+                                                   else
+                                                     requestAnimationFrame(next);
                                                  };
                                                  stage.draw();
+                                                 next();
                                                }));
 
-/** What of the picture is not background: its share, its box, and the share of its box that it fills. */
+/**
+ * What of the picture is not background: its share, its box, and the share of its box that it fills, its mean colour.
+ */
 export async function silhouette(page, clip) {
   await settled(page);
   // What lies over the canvas is no part of the picture, nor is the frame of what has the focus.
   await page.evaluate(() => {
     document.querySelector('#canvas').style.outline = 'none';
-  });
-  await page.evaluate(() => {
-    for (const part of document.querySelectorAll('#overlay, .toolbar')) part.style.visibility = 'hidden';
+    for (const part of document.querySelectorAll('#overlay, #message, .toolbar, .tools, .compass'))
+      part.style.visibility = 'hidden';
   });
   await page.locator('#canvas').scrollIntoViewIfNeeded();
   const box = await page.locator('#canvas').boundingBox();
   const png = await page.screenshot({clip: clip ? clip(box) : box});
   await page.evaluate(() => {
-    for (const part of document.querySelectorAll('#overlay, .toolbar')) part.style.visibility = '';
+    for (const part of document.querySelectorAll('#overlay, #message, .toolbar, .tools, .compass'))
+      part.style.visibility = '';
   });
   return page.evaluate(async (base64) => {
     const image = new Image();
@@ -145,11 +157,13 @@ export async function silhouette(page, clip) {
     const {data, width, height} = context.getImageData(0, 0, image.width, image.height);
     let [count, left, right, top, bottom] = [0, width, 0, height, 0];
     const colours = new Set();
+    const sums = [0, 0, 0];
     for (let y = 2; y < height - 2; y += 1) {
       for (let x = 2; x < width - 2; x += 1) {
         const at = 4 * (y * width + x);
         if ([0, 1, 2].every((k) => Math.abs(data[at + k] - data[4 * (2 * width + 2) + k]) < 10)) continue;
         count += 1;
+        for (let k = 0; k < 3; k += 1) sums[k] += data[at + k];
         left = Math.min(left, x);
         right = Math.max(right, x);
         top = Math.min(top, y);
@@ -164,6 +178,7 @@ export async function silhouette(page, clip) {
       height: h,
       fill: count / (w * h),
       colours: colours.size,
+      mean: sums.map((sum) => Math.round(sum / Math.max(1, count))),
       picture: [width, height]
     };
   }, png.toString('base64'));

@@ -41,7 +41,7 @@ const text = (page) => page.textContent('#work');
 
 /** Nothing more comes, and nothing is wrong. */
 async function quiet(page) {
-  await page.waitForTimeout(500);
+  await page.waitForTimeout(200);
   await page.waitForSelector('.card.work', {state: 'detached'});
   assert.equal(await page.locator('.card').count(), 0, await text(page));
 }

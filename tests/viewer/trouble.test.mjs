@@ -212,7 +212,7 @@ test('a server with keys asks for one, and takes it', async () => {
   const server = await start(['--keys', file]);
   const page = await openPage(browser, server.base);
   assert.equal((await errorOf(page)).code, 'unauthorized');
-  await page.click('#key-button');
+  await page.waitForSelector('dialog[open]');
   await page.fill('#key', key);
   await page.keyboard.press('Enter');
   await page.waitForFunction(() => /key is accepted/.test(document.querySelector('#work').textContent));
@@ -222,7 +222,7 @@ test('a server with keys asks for one, and takes it', async () => {
   await page.context().close();
   const guest = await openPage(browser, link);
   assert.equal((await errorOf(guest)).code, 'unauthorized');
-  await guest.click('#key-button');
+  await guest.waitForSelector('dialog[open]');
   await guest.fill('#key', key);
   await guest.keyboard.press('Enter');
   await guest.waitForSelector('.headline');

@@ -63,7 +63,7 @@ test('two methods stand side by side, their difference is measured, and the link
   assert.equal(await link(), both.replace(/&.*/, ''));
   await page.goto(both.replace(/job=[^&]+/, `job=${'0'.repeat(32)}`));
   await page.waitForSelector('.card.error[data-code="job_not_found"]');
-  await page.waitForTimeout(500);
+  await page.waitForTimeout(200);
   assert.equal(await page.locator('.card.error').count(), 1, 'the error stays');
   assert.equal(await page.locator('.headline').count(), 0, 'and the second does not stand alone');
   assert.deepEqual(page.complaints, []);

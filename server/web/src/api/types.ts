@@ -32,6 +32,8 @@ export interface Sample {
   title: string;
   description: string;
   points: number;
+  /** The one that suits it, if not the default. */
+  method?: string;
 }
 
 export const isEnded = (job: Job): boolean => job.status !== 'accepted' && job.status !== 'running';

@@ -116,6 +116,9 @@ export class Session {
       this.change({error: undefined, notice: t.cloud.fetching(sample.name)});
       const body = await this.api.bytes(`samples/${encodeURIComponent(sample.name)}`, () => undefined, signal);
       signal.throwIfAborted();
+      const {methods: [usual], run} = this.state;
+      const method = sample.method ?? usual?.id;
+      if (run && method && method !== run.method) this.setRun({method, parameters: {}});
       await this.chooseFile(new File([body], sample.name));
     });
   }
@@ -147,6 +150,7 @@ export class Session {
       pointed: undefined,
       error: undefined,
       colour: 'none',
+      look: {...this.state.look, points: true},
     });
   }
 

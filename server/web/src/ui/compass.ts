@@ -38,7 +38,8 @@ export function mountCompass(host: HTMLElement, session: Session, stage: Stage):
       h('div', {class: 'rose', role: 'group', 'aria-label': t.view.gizmo}, ...lines.values(),
         ...ends.map(({end}) => end));
   const length = h('span', {class: 'number'});
-  const bar = h('div', {class: 'bar-scale'}, length);
+  const line = h('span', {class: 'bar-line'});
+  const bar = h('div', {class: 'bar-scale'}, length, line);
   const up = h('button', {type: 'button', class: 'toggle', id: 'up', title: t.view.upTitle});
   up.addEventListener('click', () => turnUp(session));
   const fit =
@@ -61,8 +62,8 @@ export function mountCompass(host: HTMLElement, session: Session, stage: Stage):
     bar.hidden = unit === 0;
     if (unit === 0) return;
     const round = roundLength(unit * kBar);
-    bar.style.width = `${(round / unit).toFixed(1)}px`;
-    length.textContent = t.view.scale(real(round));
+    line.style.width = `${(round / unit).toFixed(1)}px`;
+    length.textContent = t.view.scale(round, real(round));
   };
   session.onChange((state) => {
     host.hidden = !state.cloud?.data && !state.results[0];

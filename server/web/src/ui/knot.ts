@@ -68,7 +68,7 @@ function draw(canvas: HTMLCanvasElement, knot: Vector[], angle: number): void {
   if (!context) return;
   const style = getComputedStyle(canvas);
   const {width, height} = canvas;
-  const scale = Math.min(width / 7.4, height / 6);
+  const scale = Math.min(width / 8, height / 7.2);
   const points = knot.map((point) => turned(point, angle));
   const place = ([x, y]: Vector): [number, number] => [width / 2 + scale * x, height / 2 - scale * y];
   context.clearRect(0, 0, width, height);

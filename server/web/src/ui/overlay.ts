@@ -28,7 +28,7 @@ function samplesOf(session: Session, state: State): HTMLElement {
 }
 
 function invitation(session: Session, state: State): HTMLElement {
-  const picture = h('canvas', {class: 'knot', 'aria-hidden': 'true', width: 360, height: 150});
+  const picture = h('canvas', {class: 'knot', 'aria-hidden': 'true', width: 520, height: 240});
   drawKnot(picture);
   return h(
       'div', {class: 'invitation'}, picture, h('p', {class: 'big'}, t.invitation.title),

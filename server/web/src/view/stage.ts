@@ -265,6 +265,11 @@ export class Stage {
     this.drawNow();
   }
 
+  /** Whether something is still to be drawn: the camera moves, or has just stopped. */
+  get busy(): boolean {
+    return this.moving || this.waiting !== 0;
+  }
+
   draw(): void {
     this.waiting ||= requestAnimationFrame(() => this.drawNow());
   }
@@ -300,14 +305,15 @@ export class Stage {
 
   private drawShaded(width: number, height: number): void {
     const began = performance.now();
+    const {mesh, cloud} = this.panes[0]?.content ?? {};
     this.shading.render(this.camera, () => this.drawPanes(width, height));
-    if (!this.software) return;
+    if (!this.software || !(mesh ?? cloud)) return;
     // To read a pixel waits for the picture.
     const gl = this.renderer.getContext();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     if (performance.now() - began < kSlow)
       this.slowFrames = 0;
-    else if (++this.slowFrames > 1)
+    else if (++this.slowFrames > 2)
       this.onSlow?.();
   }
 

@@ -132,7 +132,7 @@ export const de: Words = {
     fitTitle: 'Alles im Bild (f)',
     from: (axis) => `Entlang ${axis} blicken`,
     tools: 'Arbeit an der Wolke',
-    scale: (length) => `${length} Einheiten`,
+    scale: (n, length) => `${length} ${m(n, 'Einheit', 'Einheiten')}`,
     gizmo: 'Entlang einer Achse blicken',
     lR: 'l/R, kürzeste Kante durch Umkreisradius',
     rL: 'r/L, Inkreisradius durch längste Kante',
@@ -180,6 +180,7 @@ export const de: Words = {
       'knot.ply': 'Geschlossen, mit einem Loch; das Standardverfahren findet beides.',
       'wheel.ply': 'Scharfe Kanten, wenige Punkte.',
       'shell.ply': 'Offen: ein Fenster, das offen bleibt.',
+      'hills.ply': 'Eine Vermessung aus der Luft, in ihren eigenen Farben.',
     },
   },
   result: {

@@ -128,7 +128,7 @@ export const en = {
     fitTitle: 'All in view (f)',
     from: (axis: string) => `Look along ${axis}`,
     tools: 'Work on the cloud',
-    scale: (length: string) => `${length} units`,
+    scale: (n: number, length: string) => `${length} ${s(n, 'unit')}`,
     gizmo: 'View along an axis',
     lR: 'l/R, shortest edge over circumradius',
     rL: 'r/L, inradius over longest edge',
@@ -175,6 +175,7 @@ export const en = {
       'knot.ply': 'Closed, with a hole through it; the default method finds both.',
       'wheel.ply': 'Sharp and sparsely sampled.',
       'shell.ply': 'Open: a window that stays open.',
+      'hills.ply': 'A survey from the air, in its own colours.',
     } as Record<string, string>,
   },
   result: {

@@ -11,6 +11,5 @@ export interface ErrorWords {
 
 export function errorWords({code, title, detail, hint}: ApiError): ErrorWords {
   const own = t.errors.people[code] ?? {};
-  // What was added to the hint, as that the attempts are used up, stays.
   return {title: own.title ?? title, detail: own.detail ?? detail, hint: own.hint ?? hint};
 }

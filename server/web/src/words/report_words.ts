@@ -110,7 +110,8 @@ function cost({resources, encoding}: Report): Sentence[] {
 }
 
 /** Warnings that say again what a sentence here says. */
-const isTold = (warning: string, {mesh}: Report): boolean => !mesh.closed && warning.startsWith('the mesh is open');
+const isTold = (warning: string, {mesh}: Report): boolean =>
+    (!mesh.closed && warning.startsWith('the mesh is open')) || /^\d+ duplicate points? merged/.test(warning);
 
 /** A warning for people: without the code that stands before it for programs. */
 function warningText(warning: string): string {
