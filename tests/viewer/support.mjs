@@ -70,7 +70,8 @@ export function serveAndBrowse() {
 
 /** A page that fails the test by whatever it says on its console. */
 export async function openPage(browser, url, options = {}) {
-  const context = await browser.newContext({viewport: {width: 1280, height: 800}, acceptDownloads: true, ...options});
+  const context = await browser.newContext(
+      {viewport: {width: 1280, height: 800}, acceptDownloads: true, reducedMotion: 'reduce', ...options});
   context.setDefaultTimeout(patience);
   const page = await context.newPage();
   page.complaints = [];

@@ -36,7 +36,7 @@ test('where the theorem says nothing of the triangles, no bound is said to be ke
   const words = text(report);
   assert.match(
       words,
-      /fair: The certificate gives no guarantee here: epsilon within curvature is not met .*; of its triangles the theorem says nothing/);
+      /fair: The certificate gives no guarantee here: the sampling is too coarse for the curvature .*; of its triangles the theorem says nothing/);
   assert.doesNotMatch(words, /keeps the bounds/);
 });
 
@@ -50,8 +50,8 @@ test('openings, unused points, crossings and warnings are said with their number
   const words = text(report);
   for (const pattern
            of [/fair: Not watertight: 2 openings with 31 border edges/, /poor: 1 edge has more than two triangles/,
-               /12 points are no vertex \(12 %\)/, /10 points of 110 occur/, /poor: 3 pairs of triangles cross/,
-               /poor: 1 triangle has no area/, /fair: something to know/, /with its openings taken as filled/])
+               /12 points are no vertex \(12 %\)/, /10 points of 110 occur/, /poor: 3 pairs of triangles cross\./,
+               /poor: 1 triangle has no area/, /fair: Something to know/, /with its openings taken as filled/])
     assert.match(words, pattern);
 });
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the page does: choose a cloud, run methods on it, open and compare jobs. Panels call it and are told of changes.
 import {ApiError, unreachable, type Api} from '../api/client';
-import {followJob} from '../api/follow';
 import {isEnded, type Job, type Sample} from '../api/types';
 import type {TableOptions} from '../clouds/table';
-import {count, seconds} from '../words/numbers';
+import {count} from '../words/numbers';
 import {t} from '../words/words';
 import type {Geometry} from '../worker/geometry';
 import {onLink, readLink, writeLink, type Link} from './address';
+import {followWork} from './following';
 import {keptCloud} from './kept_clouds';
 import {complete} from './measuring';
 import {dropPicture} from './pictures';
@@ -17,12 +17,6 @@ import {initialState, type ChosenCloud, type ColourBy, type Result, type Run, ty
 export type What = 'all'|'view'|'work';
 
 const kTableOptions = ['columns', 'separator', 'decimal', 'skip'];
-/** So long a work has gone on, and so far, before anybody may say when it ends. */
-const kForetold = {
-  seconds: 3,
-  fraction: 0.1
-};
-
 export class Session {
   readonly state: State = initialState();
   private readonly listeners: ((state: State, what: What) => void)[] = [];
@@ -258,39 +252,8 @@ export class Session {
 
   /** Shows how the job goes, then what became of it. */
   private async watch(begun: Job, side: Side, signal: AbortSignal): Promise<void> {
-    let job = begun;
-    let phases: string[] = [];
-    const began = performance.now();
-    const show = (fraction: number|undefined, detail: string): void =>
-        this.work({side, what: job.status === 'accepted' ? 'queue' : 'run', fraction, detail, job, phases}, signal);
-    const place = () => (job.queue_position ? t.work.before(job.queue_position) : t.work.next);
-    const left = (fraction: number): string => {
-      const spent = (performance.now() - began) / 1000;
-      if (spent < kForetold.seconds || fraction < kForetold.fraction) return '';
-      return ` · ${t.work.left(seconds(Math.max(1, Math.round(spent / fraction - spent))))}`;
-    };
-    if (side === 0) writeLink({job: job.id});
-    show(undefined, place());
-    const ended = isEnded(job) ? job :
-                                 await followJob(
-                                     this.api, job.id, {
-                                       state: (now) => {
-                                         job = now;
-                                         phases = [];
-                                         if (job.status === 'accepted') show(undefined, place());
-                                       },
-                                       progress: (progress, phase) => {
-                                         job = {...job, status: 'running'};
-                                         const words = phase.replaceAll(/[-_]/g, ' ');
-                                         if (words !== '' && phases.at(-1) !== words) phases = [...phases, words];
-                                         show(progress, words + left(progress));
-                                       },
-                                       log: () => undefined,
-                                       lost: (again) => {
-                                         if (again > 0) show(this.state.work?.fraction, t.work.serverLost);
-                                       },
-                                     },
-                                     signal);
+    if (side === 0) writeLink({job: begun.id});
+    const ended = await followWork(this.api, begun, (work) => this.work({side, ...work}, signal), signal);
     signal.throwIfAborted();
     if (!ended) return;
     void this.refreshHistory().catch(() => undefined);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Points that become a surface: a knot that turns, drawn by the page itself, on a canvas without WebGL.
 
-const kAround = 96;
-const kAcross = 12;
+const kAround = 72;
+const kAcross = 10;
 const kTube = 0.42;
 const kTilt = 0.5;
 /** Seconds a turn. */
@@ -96,7 +96,7 @@ export function drawKnot(canvas: HTMLCanvasElement): void {
     if (shown && !canvas.isConnected) return;
     shown = canvas.isConnected;
     draw(canvas, knot, (2 * Math.PI * now) / (1000 * kTurn));
-    if (!still || !shown) setTimeout(() => requestAnimationFrame(next), 50);
+    if (!still || !shown) setTimeout(() => requestAnimationFrame(next), 80);
   };
   requestAnimationFrame(next);
 }

@@ -25,70 +25,98 @@ function setAble(button: HTMLButtonElement, able: boolean): void {
   button.setAttribute('aria-disabled', String(!able));
 }
 
-interface Panel {
-  methods: Method[];
-  form?: SchemaForm;
-  /** What the form was made of. */
-  run?: Run;
+/** The form as it stands, and what it was made of. */
+class MethodForm {
+  methods: Method[] = [];
+  run: Run|undefined;
+  private form: SchemaForm|undefined;
+  readonly select = h('select', {id: 'method', 'aria-label': t.method.title});
+  readonly body = h('div');
+
+  /** What the fields say; nothing, and the reason shown, if one of them is wrong. */
+  read(): Run|undefined {
+    return this.form?.valid() ? {method: this.select.value, parameters: this.form.values()} : undefined;
+  }
+
+  /** As it is, wrong fields too. */
+  now(): Run {
+    return {method: this.select.value, parameters: this.form?.values() ?? {}};
+  }
+
+  build(wanted: Run): void {
+    const method = this.methods.find(({id}) => id === wanted.method) ?? this.methods[0];
+    if (!method) return;
+    this.select.value = method.id;
+    this.form = schemaForm('parameter', method, sharedNames(this.methods), wanted.parameters);
+    fill(this.body, about(method), this.form.element);
+  }
+
+  /** Another method; what every method takes stays as it is. */
+  change(): void {
+    const shared = sharedNames(this.methods);
+    const kept = Object.entries(this.form?.values() ?? {}).filter(([name]) => shared.has(name));
+    this.build({method: this.select.value, parameters: Object.fromEntries(kept)});
+  }
+
+  mark(field: string): void {
+    this.form?.mark(field.split('.').at(-1) ?? '');
+  }
+}
+
+/** Shows what the state says in the form, and the form's first state in the state. */
+function follow(session: Session, form: MethodForm, tell: () => void): void {
+  let shown: ApiError|undefined;
+  const update = ({methods, run, error}: State): void => {
+    if (methods !== form.methods) {
+      form.methods = methods;
+      fill(form.select, ...methods.map((method) => h('option', {value: method.id}, method.title)));
+      form.build(run ?? {method: '', parameters: {}});
+      return tell();
+    }
+    if (run && run !== form.run) {
+      form.run = run;
+      form.build(run);
+    }
+    if (error !== shown && error?.field) form.mark(error.field);
+    shown = error;
+  };
+  session.onChange(update);
+  update(session.state);
 }
 
 export function mountMethodPanel(host: HTMLElement, session: Session): void {
-  const panel: Panel = {methods: []};
-  const select = h('select', {id: 'method', 'aria-label': t.method.title});
-  const body = h('div');
+  const form = new MethodForm();
   const button = (id: string, look: string, text: string) =>
       h('button', {type: 'button', class: `button ${look} wide`, id}, text);
   const run = button('run', 'primary', t.method.run);
   const beside = button('beside', '', t.method.beside);
   const batch = button('run-all', 'primary', t.batch.run);
-  const rebuild = (wanted: Run): void => {
-    const method = panel.methods.find(({id}) => id === wanted.method) ?? panel.methods[0];
-    if (!method) return;
-    select.value = method.id;
-    panel.form = schemaForm('parameter', method, sharedNames(panel.methods), wanted.parameters);
-    fill(body, about(method), panel.form.element);
-  };
   const tell = (): void => {
-    panel.run = {method: select.value, parameters: panel.form?.values() ?? {}};
-    session.setRun(panel.run);
+    form.run = form.now();
+    session.setRun(form.run);
   };
   const begin = (side: Side) => (): void => {
-    if (!session.state.cloud || session.state.work || !panel.form?.valid()) return;
-    tell();
-    if (panel.run) void session.run(panel.run, side);
+    const {cloud, work} = session.state;
+    const read = cloud && !work ? form.read() : undefined;
+    if (read) void session.run(read, side);
   };
-  select.addEventListener('change', () => {
-    // What every method takes stays as it is.
-    const shared = sharedNames(panel.methods);
-    const kept = Object.entries(panel.form?.values() ?? {}).filter(([name]) => shared.has(name));
-    rebuild({method: select.value, parameters: Object.fromEntries(kept)});
+  form.select.addEventListener('change', () => {
+    form.change();
     tell();
   });
-  body.addEventListener('change', tell);
+  form.body.addEventListener('change', tell);
   run.addEventListener('click', begin(0));
   beside.addEventListener('click', begin(1));
   batch.addEventListener('click', () => {
-    if (panel.form?.valid())
-      void runBatch(session, session.state.dropped, {method: select.value, parameters: panel.form.values()});
+    const read = form.read();
+    if (read) void runBatch(session, session.state.dropped, read);
   });
   const step = h('span', {class: 'step', 'aria-hidden': 'true'}, '2');
-  fill(host, h('h2', {}, step, t.method.title), select, body, h('div', {class: 'row actions'}, batch, run, beside));
-  let shownError: ApiError|undefined;
+  fill(
+      host, h('h2', {}, step, t.method.title), form.select, form.body,
+      h('div', {class: 'row actions'}, batch, run, beside));
+  follow(session, form, tell);
   const update = (state: State): void => {
-    if (state.methods !== panel.methods) {
-      panel.methods = state.methods;
-      fill(select, ...state.methods.map((method) => h('option', {value: method.id}, method.title)));
-      rebuild(state.run ?? {method: '', parameters: {}});
-      return tell();
-    }
-    if (state.run && state.run !== panel.run) {
-      panel.run = state.run;
-      rebuild(state.run);
-    }
-    if (state.error !== shownError) {
-      shownError = state.error;
-      if (shownError?.field) panel.form?.mark(shownError.field.split('.').at(-1) ?? '');
-    }
     setAble(run, state.cloud !== undefined && !state.work);
     setAble(beside, !state.work);
     run.hidden = state.dropped.length > 0;
