@@ -33,15 +33,15 @@ const show = (contract) => {
       if (operation.description) details.append(make('p', operation.description));
       const parameters = [...(item.parameters ?? []), ...(operation.parameters ?? [])].map((each) => resolve(contract, each));
       if (parameters.length) {
-        details.append(make('h4', 'Parameters'), table(['name', 'in', 'type', 'meaning'],
+        details.append(make('h3', 'Parameters'), table(['name', 'in', 'type', 'meaning'],
           parameters.map((each) => row(each.name, each.in, typeOf(each.schema), each.description ?? ''))));
       }
       const body = resolve(contract, operation.requestBody);
       if (body) {
-        details.append(make('h4', 'Body'), make('p', body.description ?? ''), table(['media type', 'schema'],
+        details.append(make('h3', 'Body'), make('p', body.description ?? ''), table(['media type', 'schema'],
           Object.entries(body.content).map(([type, media]) => row(type, typeOf(media.schema)))));
       }
-      details.append(make('h4', 'Answers'), table(['status', 'meaning', 'body'],
+      details.append(make('h3', 'Answers'), table(['status', 'meaning', 'body'],
         Object.entries(operation.responses).map(([status, given]) => {
           const answer = resolve(contract, given);
           const bodies = Object.entries(answer.content ?? {}).map(([type, media]) => `${type} ${typeOf(media.schema)}`.trim());

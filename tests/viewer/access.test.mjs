@@ -58,7 +58,9 @@ test('everything is done without a mouse', async () => {
   await page.keyboard.press('Enter');
   await pointsShown(page);
   const focused = () => page.evaluate(() => document.activeElement?.id);
-  assert.equal(await focused(), 'run', 'who has chosen a sample stands on the button that goes on');
+  assert.equal(
+      await page.evaluate(() => document.activeElement?.textContent), 'Knot', 'what was pressed keeps the focus');
+  await reach('#run');
   await page.keyboard.press('Enter');
   await page.waitForSelector('.headline');
   assert.equal(await focused(), 'run', 'and keeps it');

@@ -93,8 +93,12 @@ test('a method that makes points of its own marks none, and says so; points alon
 
 test('a terrain starts with z up, and there is one up: of the picture, of the form, of the job', async () => {
   const page = await openPage(browser, server.base);
-  await page.click('[data-sample="hills.ply"]');
+  await page.focus('[data-sample="hills.ply"]');
+  await page.keyboard.press('Enter');
   await pointsShown(page);
+  assert.equal(
+      await page.evaluate(() => document.activeElement?.id), 'run',
+      'the invitation is gone, the next step has the focus');
   const ups = async () => [await page.textContent('#up'), await page.$eval('#parameter-up', (select) => select.value)];
   await page.waitForFunction(() => document.querySelector('#up').textContent === 'z up');
   assert.deepEqual(await ups(), ['z up', 'z']);

@@ -4,7 +4,8 @@ import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import path from 'node:path';
 import {test} from 'node:test';
-import {wordOf, type TableOptions} from '../../../server/web/src/clouds/table';
+import type {TableOptions} from '../../../server/web/src/clouds/table';
+import {wordOf} from '../../../server/web/src/clouds/table_cells';
 import {readText} from '../../../server/web/src/clouds/text';
 
 interface Case {

@@ -8,7 +8,7 @@ import {t} from '../words/words';
 import type {Geometry} from '../worker/geometry';
 import {onLink, readLink, writeLink, type Link} from './address';
 import {followWork} from './following';
-import {keptCloud} from './kept_clouds';
+import {cloudOfJob} from './job_cloud';
 import {complete} from './measuring';
 import {dropPicture} from './pictures';
 import {sendCloud, sendJob, submissionOf} from './sending';
@@ -287,22 +287,14 @@ export class Session {
     await this.watch(job, side, signal);
   }
 
-  /**
-   * The points of a job that was opened by its link, if this device has kept them; else what the server says of them.
-   */
   private async bringCloud(job: Job, side: Side, signal: AbortSignal): Promise<void> {
-    const id = job.cloud_id ?? undefined;
-    if (side === 1 || (id && this.state.cloud?.id === id)) return;
-    const file = id ? await keptCloud(id) : undefined;
+    if (side === 1 || (job.cloud_id && this.state.cloud?.id === job.cloud_id)) return;
+    const cloud = await cloudOfJob(this.api, job);
     signal.throwIfAborted();
-    if (file && id) {
-      await this.setCloud(file, id);
-    } else {
-      const stored = id ? await this.api.cloud(id).catch(() => undefined) : undefined;
-      signal.throwIfAborted();
-      const name = job.labels[0] ?? (id ? t.cloud.unnamed(id.slice(0, 8)) : '');
-      this.replaceCloud(id ? {name, size: stored?.bytes ?? 0, id, stored} : undefined, '');
-    }
+    if (cloud?.file)
+      await this.setCloud(cloud.file, cloud.id);
+    else
+      this.replaceCloud(cloud, '');
     signal.throwIfAborted();
   }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Points of text: XYZ, CSV, PTS, as the server reads them.
 import {colourBytes, UnreadableCloud, type Points} from './cloud_data';
-import {guessTable, isComment, isEmptyRow, kTableSample, parseCell, valuesOf, type TableForm, type TableOptions} from './table';
+import {guessTable, kTableSample, type TableForm, type TableOptions} from './table';
+import {isComment, isEmptyRow, parseCell, valuesOf} from './table_cells';
 
 export interface TextPoints extends Points {
   form: TableForm;

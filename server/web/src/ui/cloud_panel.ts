@@ -2,7 +2,7 @@
 // The first step: which cloud.
 import type {Session} from '../app/session';
 import type {ChosenCloud, State} from '../app/state';
-import {wordOf} from '../clouds/table';
+import {wordOf} from '../clouds/table_cells';
 import {bytes, count, real} from '../words/numbers';
 import {t} from '../words/words';
 import {whenChanged} from './changed';
