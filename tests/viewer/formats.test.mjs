@@ -3,15 +3,13 @@
 import assert from 'node:assert/strict';
 import {readdirSync, readFileSync} from 'node:fs';
 import path from 'node:path';
-import {after, before, test} from 'node:test';
+import {after, test} from 'node:test';
 
 import {browser, dropFile, facts, openPage, serveAndBrowse, server, source} from './support.mjs';
 
 serveAndBrowse();
 let page;
-before(async () => {
-  page = await openPage(browser, server.base);
-});
+const onePage = async () => (page ??= await openPage(browser, server.base));
 after(() => page?.context().close());
 
 /** Some of the clouds that the fuzz tests start from: every format, and of PLY and text every kind. */
@@ -35,6 +33,7 @@ async function serverSays(bytes) {
 }
 
 test('the page counts and measures the points of every format as the server does', async () => {
+  await onePage();
   assert.ok(seeds.length > 25, `${seeds.length}`);
   const clouds = await Promise.all(seeds.map(({bytes}) => serverSays(bytes)));
   for (const [i, {format, name, bytes}] of seeds.entries()) {
@@ -63,6 +62,7 @@ test('the page counts and measures the points of every format as the server does
 });
 
 test('the first rows of a text are shown, and it is read again as the parameters say', async () => {
+  await onePage();
   const rows = Array.from({length: 8}, (_, i) => `${i * i},${i},${i % 3}`);
   await dropFile(page, 'unknown.csv', Buffer.from(`a,b,c\n${rows.join('\n')}\n`));
   const note = await page.waitForSelector('#setup .panel:first-child .note');

@@ -274,9 +274,7 @@ export class Session {
   }
 
   /** Opens a job by its id, whatever its state. */
-  open(id: string, side: Side): Promise<void> {
-    return this.begin((signal) => this.bring(id, side, signal));
-  }
+  open = (id: string, side: Side): Promise<void> => this.begin((signal) => this.bring(id, side, signal));
 
   private async bring(id: string, side: Side, signal: AbortSignal): Promise<void> {
     this.change({error: undefined, notice: ''});
@@ -330,9 +328,7 @@ export class Session {
     await this.complete();
   }
 
-  private complete(): Promise<void> {
-    return complete(this.geometry, this.state, (part, what) => this.change(part, what));
-  }
+  private complete = (): Promise<void> => complete(this.geometry, this.state, (part, what) => this.change(part, what));
 
   setLook(look: Partial<State['look']>): void {
     this.change({look: {...this.state.look, ...look}}, 'view');
@@ -399,7 +395,6 @@ export class Session {
   }
 
   /** Before the results are shown, because the panel shows the link too. */
-  private setLinks([first, second]: State['results']): void {
-    if (first) writeLink({job: first.job.id, other: second?.job.id});
-  }
+  private setLinks = ([first, second]: State['results']): void =>
+      writeLink({job: first?.job.id, other: second?.job.id});
 }
