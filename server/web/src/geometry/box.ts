@@ -14,6 +14,9 @@ export function boxOf(positions: Float32Array): Box {
   return box;
 }
 
+export const sizesOf =
+    ({low, high}: Box): [number, number, number] => [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
+
 export function isInside(positions: Float32Array, point: number, {low, high}: Box): boolean {
   for (let k = 0; k < 3; k += 1) {
     const value = positions[3 * point + k];

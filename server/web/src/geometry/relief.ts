@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tells terrain and the like: flat, and over each place of the ground one height.
+import {boxOf, sizesOf} from './box';
 
 /** So much lower than wide, either way. */
 const kFlat = 0.5;
@@ -10,19 +11,11 @@ const kWithin = 0.3;
 /** So many points tell enough. */
 const kEnough = 60_000;
 
-function boxOf(positions: Float32Array): {low: number[]; size: number[]} {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < positions.length; i += 1) {
-    low[i % 3] = Math.min(low[i % 3], positions[i]);
-    high[i % 3] = Math.max(high[i % 3], positions[i]);
-  }
-  return {low, size: high.map((value, axis) => value - low[axis])};
-}
-
 export function isHeightField(positions: Float32Array): boolean {
   const points = positions.length / 3;
-  const {low, size: [width, depth, height]} = boxOf(positions);
+  const box = boxOf(positions);
+  const {low} = box;
+  const [width, depth, height] = sizesOf(box);
   if (points < 100 || !(height > 0) || height > kFlat * Math.min(width, depth)) return false;
   const step = Math.ceil(points / kEnough);
   const cell = Math.sqrt((width * depth * kInCell * step) / points);

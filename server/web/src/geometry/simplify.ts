@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A coarse stand-in to draw while the camera moves: vertices of a cell of a grid become one, triangles that lose a
 // corner go.
+import {boxOf, sizesOf} from './box';
 import type {MeshData} from './mesh_data';
 
 const kEmpty = 0xffffffff;
 
-function boxOf(positions: Float32Array): {low: number[]; size: number[]} {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < positions.length; i += 1) {
-    low[i % 3] = Math.min(low[i % 3], positions[i]);
-    high[i % 3] = Math.max(high[i % 3], positions[i]);
-  }
-  return {low, size: high.map((value, axis) => value - low[axis])};
-}
-
 function clustered(mesh: MeshData, cells: number): Uint32Array {
-  const {low, size} = boxOf(mesh.positions);
+  const box = boxOf(mesh.positions);
+  const {low} = box;
+  const size = sizesOf(box);
   const cell = Math.max(...size) / cells || 1;
   const shape = size.map((length) => Math.floor(length / cell) + 1);
   const table = new Uint32Array(shape[0] * shape[1] * shape[2]).fill(kEmpty);

@@ -3,6 +3,7 @@
 import type {Session} from '../app/session';
 import type {ChosenCloud, State} from '../app/state';
 import {wordOf} from '../clouds/table_cells';
+import {boxOf, sizesOf} from '../geometry/box';
 import {bytes, count, real} from '../words/numbers';
 import {t} from '../words/words';
 import {whenChanged} from './changed';
@@ -19,18 +20,7 @@ export function fileButton(session: Session, text: string, look: string): HTMLEl
   return h('label', {class: `button ${look}`}, text, input);
 }
 
-const sizesOf = (low: number[], high: number[]): string =>
-    low.map((value, axis) => real(high[axis] - value)).join(' × ');
-
-function extent(positions: Float32Array): string {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  positions.forEach((value, i) => {
-    low[i % 3] = Math.min(low[i % 3], value);
-    high[i % 3] = Math.max(high[i % 3], value);
-  });
-  return sizesOf(low, high);
-}
+const product = (sizes: number[]): string => sizes.map((size) => real(size)).join(' × ');
 
 /** What is known of each point besides its place. */
 function attributes({data, stored}: ChosenCloud): string {
@@ -50,9 +40,11 @@ function facts(cloud: ChosenCloud): HTMLElement {
   if (cloud.size > 0) rows.push([t.cloud.size, bytes(cloud.size)]);
   if (data) {
     rows.push([t.cloud.format, data.format], [t.cloud.points, count(data.positions.length / 3 + data.missing)]);
-    rows.push([t.cloud.extent, extent(data.positions)]);
+    rows.push([t.cloud.extent, product(sizesOf(boxOf(data.positions)))]);
   } else if (stored?.points && stored.bounds) {
-    rows.push([t.cloud.points, count(stored.points)], [t.cloud.extent, sizesOf(stored.bounds.min, stored.bounds.max)]);
+    rows.push(
+        [t.cloud.points, count(stored.points)],
+        [t.cloud.extent, product(stored.bounds.max.map((high, axis) => high - (stored.bounds?.min[axis] ?? 0)))]);
   }
   const list = h('dl', {class: 'facts'}, ...rows.flatMap(([name, value]) => [h('dt', {}, name), h('dd', {}, value)]));
   const has = attributes(cloud);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The objects of one pane: a cloud, a mesh over it, and what is marked on them.
 import {BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Points, type Object3D, type Plane, type PointsMaterial} from 'three';
+import {boxOf, sizesOf} from '../geometry/box';
 import type {LoadedCloud, LoadedMesh, UnusedPoints} from '../worker/protocol';
 import {coloursOf, type ScaleName} from './colormap';
 import {lineMaterial, pointsMaterial, surfaceMaterial, type Palette} from './materials';
@@ -91,13 +92,7 @@ const kPointShare = 1.1;
 
 /** The size of a point where the diagonal of the cloud has the length 2. */
 function sizeOfPoint(positions: Float32Array): number {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < positions.length; i += 1) {
-    low[i % 3] = Math.min(low[i % 3], positions[i]);
-    high[i % 3] = Math.max(high[i % 3], positions[i]);
-  }
-  const [x, y, z] = high.map((value, axis) => value - low[axis]);
+  const [x, y, z] = sizesOf(boxOf(positions));
   const area = 2 * (x * y + y * z + z * x);
   return (kPointShare * 2 * Math.sqrt(area / (positions.length / 3))) / (Math.hypot(x, y, z) || 1);
 }
