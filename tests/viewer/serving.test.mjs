@@ -5,7 +5,7 @@ import http from 'node:http';
 import {test} from 'node:test';
 import {gunzipSync} from 'node:zlib';
 
-import {knot, startServer} from './support.mjs';
+import {knot, serveAndBrowse, server} from './support.mjs';
 
 serveAndBrowse();
 

@@ -124,9 +124,11 @@ export function schemaForm(
       h('div', {class: 'schema-form'},
         group(t.method.parameters(method.title), names.filter((name) => !shared.has(name))),
         group(t.method.shared, names.filter((name) => shared.has(name))));
-  const values = (): Record<string, unknown> =>
-      Object.fromEntries(names.map((name) => [name, fields.get(name)?.value()] as const)
-                             .filter(([name, value]) => value !== properties[name].default));
+  // An empty text where nothing is the default is nothing, too.
+  const isDefault = (name: string, value: unknown): boolean => value === (properties[name].default ?? '');
+  const values = (): Record<string, unknown> => Object.fromEntries(
+      names.map((name) => [name, fields.get(name)?.value()] as const).filter(([name,
+                                                                               value]) => !isDefault(name, value)));
   const valid = (): boolean => {
     const wrong = [...element.querySelectorAll('input')].find((input) => !input.disabled && !input.validity.valid);
     wrong?.closest('details')?.setAttribute('open', '');
