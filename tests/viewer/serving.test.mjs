@@ -21,7 +21,7 @@ function get(target, headers = {}) {
   });
 }
 
-const browser = {
+const asBrowser = {
   accept: 'text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.8',
   'accept-encoding': 'gzip, deflate, br'
 };
