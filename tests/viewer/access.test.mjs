@@ -65,8 +65,7 @@ test('everything is done without a mouse', async () => {
   await page.waitForSelector('.headline');
   assert.equal(await focused(), 'run', 'and keeps it');
   assert.match(
-      await page.textContent('[role="status"]'), /Done: a mesh of 12,000 triangles, watertight/,
-      'the end is announced');
+      await page.textContent('#status'), /Done: a mesh of 12,000 triangles, watertight/, 'the end is announced');
   await page.keyboard.press('e');
   await page.click('#canvas', {position: {x: 20, y: 200}});
   assert.equal(
