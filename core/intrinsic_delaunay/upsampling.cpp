@@ -8,6 +8,7 @@
 
 #include "base/vectors.hpp"
 #include "intrinsic_delaunay/proposals.hpp"
+#include "mesh/area_normal.hpp"
 
 namespace surfaced::idt {
 namespace {
