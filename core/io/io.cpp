@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ranges>
 #include <utility>
 
 #include "base/text.hpp"
@@ -89,7 +88,7 @@ Result<MeshFormat> mesh_format_of(const std::filesystem::path& path) {
   const auto* found =
       std::ranges::find(kExtensions, std::string_view(extension), [](const auto& row) { return row.first; });
   if (found != kExtensions.end()) return found->second;
-  const std::string known = joined(kExtensions | std::views::keys);
+  const std::string known = joined(kExtensions, ", ", [](const auto& row) { return row.first; });
   return Error{ErrorCode::unknown_output,
                "the extension '" + extension + "' of " + path.filename().string() + " is none of " + known};
 }

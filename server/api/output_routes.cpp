@@ -3,7 +3,6 @@
 #include <chrono>
 #include <memory>
 #include <optional>
-#include <ranges>
 
 #include "api/job_json.hpp"
 #include "api/outputs.hpp"
@@ -38,9 +37,11 @@ Result<std::optional<Output>> find_output(const Job& job, const std::string& nam
   if (!ended(job.status)) return Error{ErrorCode::not_finished, subject + " and has no " + name + " yet"};
   if (job.status != JobStatus::successful) return Error{ErrorCode::job_not_successful, subject + " and has no " + name};
   if (is_mesh(name)) return std::optional<Output>();
-  const std::string made =
-      joined(job.outputs | std::views::transform(&Output::name) |
-             std::views::filter([](const std::string& each) { return !media_type_of(each).empty(); }));
+  std::vector<std::string> outputs;
+  for (const Output& each : job.outputs) {
+    if (!media_type_of(each.name).empty()) outputs.push_back(each.name);
+  }
+  const std::string made = joined(outputs);
   return with_fault({ErrorCode::output_not_found, "job " + job.id + " has no " + name + "; it made " + made},
                     {"name", name, "one of " + made});
 }

@@ -2,7 +2,6 @@
 #include "access/keys.hpp"
 
 #include <iostream>
-#include <ranges>
 
 #include "base/text.hpp"
 #include "command/command.hpp"
@@ -53,7 +52,7 @@ int remove_key(const KeyOptions& options) {
   auto ring = KeyRing::load(options.file);
   if (!ring) return report_problem(ring.error());
   if (!ring->remove(options.id)) {
-    const std::string ids = joined(std::views::keys(ring->all()));
+    const std::string ids = joined(ring->all(), ", ", [](const auto& row) { return row.first; });
     return report_problem(
         with_fault({ErrorCode::invalid_usage, "'" + options.file.string() + "' has no key '" + options.id + "'"},
                    {"ID", options.id, ids.empty() ? "none: the file has no keys" : "one of " + ids}),
