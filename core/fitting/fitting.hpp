@@ -30,8 +30,8 @@ enum class JetForm { normal, curvatures };
 /// up to rounding, all on a line.
 std::optional<Jet> jet_of(std::span<const Point3> points, JetForm form);
 
-/// Principal curvatures at the first of the points, in units of 1 / length, larger first: those of jet_of, at a fifth
-/// of its cost. None as there.
+/// Principal curvatures at the first of the points, in units of 1 / length, larger first: those of jet_of, for
+/// less. None as there.
 std::optional<std::array<double, 2>> principal_curvatures(std::span<const Point3> points);
 
 }  // namespace surfaced
